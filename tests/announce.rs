@@ -157,7 +157,7 @@ fn markers_and_voices_are_told_with_the_time_at_which_they_leave() {
     let args = voice("hum");
     assert_eq!(args[4..7], [OscType::String("t2".into()), OscType::Double(0.25), OscType::Double(0.02)]);
     let text = |text: &str| OscType::String(text.into());
-    assert_eq!(args[7..10], [text("trial"), OscType::Long(2), text("2=0.25")]);
+    assert_eq!(args[7..10], [text("trial"), OscType::Long(2), text("2=1")]);
     // It says nothing of a threshold, nobody's message asked for it, and it has no id of anybody's.
     assert!(
         matches!(args[10..], [OscType::Double(felt), OscType::Long(0), OscType::Long(0)] if felt.is_nan())
@@ -196,7 +196,7 @@ fn markers_and_voices_are_told_with_the_time_at_which_they_leave() {
         }
     };
     let (one, other) = (played(-7), played(8));
-    assert_eq!((&one[9], &one[12], &other[12]), (&text("1=0.5"), &OscType::Long(-7), &OscType::Long(8)));
+    assert_eq!((&one[9], &one[12], &other[12]), (&text("1=1"), &OscType::Long(-7), &OscType::Long(8)));
     let (OscType::Long(first), OscType::Long(then)) = (&one[11], &other[11]) else { panic!("{one:?}") };
     assert!(0 < *first && first < then, "{first} {then}");
     say(&all, &server, "/release");

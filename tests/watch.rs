@@ -224,7 +224,7 @@ fn a_journal_knows_what_took_over() {
     let at = lines.iter().position(|line| line["kind"] == "refused").expect("a line");
     let (came, refused) = (&lines[at - 1], &lines[at]);
     assert!(came["kind"] == "in" && came["message"] == "reload" && came["id"] == refused["cause"], "{came}");
-    assert!(refused["message"].as_str().unwrap().starts_with("p.toml:8"), "{refused}");
+    assert!(refused["message"].as_str().unwrap().starts_with("p.toml:10: this is not TOML"), "{refused}");
     // Whoever let the others take over is known.
     let swaps: Vec<_> = lines.iter().filter(|line| line["kind"] == "swap").collect();
     assert_eq!(swaps.len(), 4);

@@ -5,7 +5,7 @@
 //! its own bit, and done when all that waited before them is.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU8, AtomicU16, AtomicU32, AtomicU64, Ordering};
 
 use super::signal::Signal;
 use super::stamp::Stamp;
@@ -45,7 +45,9 @@ const GONE: u8 = 1 << 2;
 /// What one way owes. Any thread may add to it, and none waits for another.
 #[derive(Debug)]
 pub(super) struct Owed {
-    due: AtomicBool,
+    /// How often something was noted, and up to which of those it is done.
+    noted: AtomicU64,
+    done: AtomicU64,
     /// When the last of it came.
     stamp: AtomicU64,
     ports: Box<[Port]>,
@@ -84,7 +86,8 @@ impl Owed {
             Way::Key => (0, way.capacity(), NAMES),
         };
         Self {
-            due: AtomicBool::new(false),
+            noted: AtomicU64::new(0),
+            done: AtomicU64::new(0),
             stamp: AtomicU64::new(0),
             ports: (0..ports).map(|_| Port::default()).collect(),
             numbers: (0..numbers).map(|_| AtomicU64::new(0)).collect(),
@@ -95,7 +98,7 @@ impl Owed {
 
     /// Whether anything is owed. What does not let go has to wait outside then, lest it came before what was said earlier.
     pub fn is_due(&self) -> bool {
-        self.due.load(Ordering::Acquire)
+        self.noted.load(Ordering::Acquire) != self.done.load(Ordering::Acquire)
     }
 
     /// Notes a signal that lets go. Says whether it did: not where it is none.
@@ -116,7 +119,7 @@ impl Owed {
         };
         if noted {
             self.stamp.fetch_max(stamp.0, Ordering::Relaxed);
-            self.due.store(true, Ordering::Release);
+            self.noted.fetch_add(1, Ordering::AcqRel);
         }
         noted
     }
@@ -154,10 +157,11 @@ impl Owed {
         })
     }
 
-    /// Takes all that is owed and gives it to `each`, in the same order however it was noted.
-    pub fn settle(&self, each: &mut dyn FnMut(Stamp, Signal)) {
-        if !self.due.swap(false, Ordering::AcqRel) {
-            return;
+    /// Takes all that is owed and gives it to `each`, in the same order however it was noted. It is due until [`Owed::settle`] is told so.
+    pub fn take(&self, each: &mut dyn FnMut(Stamp, Signal)) -> Taken {
+        let taken = Taken(self.noted.load(Ordering::Acquire));
+        if taken.0 == self.done.load(Ordering::Acquire) {
+            return taken;
         }
         let stamp = Stamp(self.stamp.load(Ordering::Relaxed));
         for (number, port) in self.ports.iter().enumerate() {
@@ -185,8 +189,19 @@ impl Owed {
             (END, Signal::End),
         ];
         all.into_iter().filter(|(flag, _)| flags & flag != 0).for_each(|(_, signal)| each(stamp, signal));
+        taken
+    }
+
+    /// What was taken is owed no more; what was noted meanwhile still is.
+    pub fn settle(&self, Taken(noted): Taken) {
+        self.done.store(noted, Ordering::Release);
     }
 }
+
+/// Up to which of what was noted it was taken.
+#[derive(Debug)]
+#[must_use]
+pub(super) struct Taken(u64);
 
 impl Port {
     fn note(&self, message: Message) -> bool {
@@ -258,7 +273,8 @@ mod tests {
 
     fn settled(owed: &Owed) -> Vec<String> {
         let mut all = Vec::new();
-        owed.settle(&mut |stamp, signal| all.push(format!("{} {signal:?}", stamp.0)));
+        let taken = owed.take(&mut |stamp, signal| all.push(format!("{} {signal:?}", stamp.0)));
+        owed.settle(taken);
         all
     }
 
@@ -334,6 +350,25 @@ mod tests {
         );
     }
 
+    /// Else a key that goes down meanwhile could be heard behind its own going up.
+    #[test]
+    fn until_it_is_settled_it_is_due_and_so_is_what_was_added_meanwhile() {
+        let owed = Owed::new(Way::Program);
+        assert!(owed.note(Stamp(1), &Signal::Release(1)) && owed.note(Stamp(1), &Signal::ReleaseAll));
+        let mut heard = 0;
+        let taken = owed.take(&mut |_, _| {
+            assert!(owed.is_due());
+            // Where it was taken already, and where it was not.
+            assert!(owed.note(Stamp(2), &Signal::Release(1)) && owed.note(Stamp(2), &Signal::ReleaseAll));
+            heard += 1;
+        });
+        assert!(owed.is_due() && heard == 2);
+        owed.settle(taken);
+        assert!(owed.is_due());
+        assert_eq!(settled(&owed).join(";"), "2 Release(1);2 ReleaseAll");
+        assert!(!owed.is_due());
+    }
+
     /// Whoever adds while it is settled finds it done at once or the next time.
     #[test]
     fn nothing_is_lost_between_threads() {
@@ -346,10 +381,11 @@ mod tests {
             });
             loop {
                 let over = writer.is_finished();
-                owed.settle(&mut |_, signal| {
+                let taken = owed.take(&mut |_, signal| {
                     let Signal::Release(number) = signal else { panic!("{signal:?}") };
                     heard[number as usize] = true;
                 });
+                owed.settle(taken);
                 if over {
                     break;
                 }

@@ -175,8 +175,8 @@ impl Lane {
             Ok(stamped) => self.head = Some(stamped),
             Err(TryRecvError::Empty) if !due => {}
             Err(error) => {
-                let (way, debts) = (self.way, &mut self.debts);
-                owed.settle(&mut |stamp, signal| {
+                let (way, mut debts) = (self.way, VecDeque::new());
+                let taken = owed.take(&mut |stamp, signal| {
                     let id = ids.fetch_add(1, Ordering::Relaxed) + 1;
                     let origin = Origin::unnamed(way);
                     // What is owed takes back no brake.
@@ -191,8 +191,12 @@ impl Lane {
                         signal,
                     });
                 });
+                // As long as it is due, nobody sends but who had begun to before it was; what is owed may let go of that.
+                self.debts.extend(self.signals.try_iter());
+                owed.settle(taken);
+                self.debts.append(&mut debts);
                 self.head = self.debts.pop_front();
-                self.over = error == TryRecvError::Disconnected && self.head.is_none();
+                self.over = error == TryRecvError::Disconnected && self.head.is_none() && !owed.is_due();
             }
         }
     }

@@ -80,11 +80,6 @@ impl<'a> Advice<'a> {
                 (_, None) => {}
             }
         }
-        if let Some(level) = level.filter(|level| *level < 0.0) {
-            let what = format!("level {level} of {who} is below 0, so nothing of it sounds");
-            let help = "write a level from 0 to 1".to_string();
-            self.problems.push(Problem::warning(&trigger.span, what).help(help));
-        }
         if !fields.is_empty() || level.is_some() {
             self.values(voice, &fields, level, &trigger.span, who);
         }
@@ -378,7 +373,6 @@ mod tests {
         };
         one(of("frequency = \"2 * 600\""), "frequency 1200 of trigger 1: nothing above 1000 Hz is felt");
         one(of("level = 3"), "level 3 of trigger 1");
-        one(of("level = -0.5"), "level -0.5 of trigger 1 is below 0, so nothing of it sounds");
         assert!(of("frequency = 300, level = 1, duration = 2000").is_empty());
     }
 

@@ -13,7 +13,7 @@ use super::{PATCH, folder, reload, setting, until};
 fn short(name: &str) -> String {
     let folder = folder(name);
     let path = folder.join("s.jsonl");
-    // Without what a node sets off: those lines are told, and not played.
+    // Without what a node sets off and what always sounds: those lines are told, and not played.
     let first = reload(PATCH.split("[[trigger]]\non = \"node").next().unwrap_or_default());
     let journal = Journal::create(&path, setting(), &first.scene.plan, first.provenance.as_deref()).unwrap();
     let is_told = journal.clone();
@@ -30,7 +30,10 @@ fn short(name: &str) -> String {
     journal.finish().unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     std::fs::remove_dir_all(&folder).unwrap();
-    text
+    text.lines()
+        .filter(|line| !line.contains("\"source\":\"always\""))
+        .map(|line| line.to_string() + "\n")
+        .collect()
 }
 
 /// What becomes of a journal: how it ends.
