@@ -221,13 +221,15 @@ fn another_patch_takes_over_without_a_gap_or_a_jump() {
         wait("the new patch", || swaps() == n + 1);
         fetch(&mut recording, &mut all);
     }
+    // Behind them the gate closes, and however busy the machine is, some blocks more come.
+    let end = session.board().frames.get() as usize;
     session.stop();
     fetch(&mut recording, &mut all);
     let hum = channel(&all, 0);
-    let end = hum.len() - 500;
     // The steepest step of a sine of 100 Hz and 0.5 at 48 kHz is 0.00654, and no swap makes a steeper one.
     let steepest = hum[9700..end].windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f32::max);
-    assert!(steepest < 0.00656, "{steepest}");
+    let at = hum.windows(2).position(|w| (w[1] - w[0]).abs() == steepest);
+    assert!(steepest < 0.00656, "{steepest} at {at:?} of {end}");
     assert!(hum[9700..end].chunks(480).filter(|c| c.len() == 480).all(|c| c.iter().any(|x| x.abs() > 0.45)));
 }
 
