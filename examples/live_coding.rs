@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut session = Session::start(Beginning {
         audience: Box::new(|told| match told {
             Told::Reloaded => println!("it plays"),
-            Told::Kept(why) => println!("it needs a session of its own: {why}"),
+            Told::Kept(why, _) => println!("it needs a session of its own: {why}"),
             _ => {}
         }),
         ..Beginning::of(compile(&path)?, Chosen::Virtual(None))

@@ -64,7 +64,7 @@ fn start_in(block: u32, scene: Reload) -> (Session, HeapCons<f32>, Words) {
             Told::Refused(problem, cause) => format!("refused {cause}: {problem}"),
             Told::Reloaded => "reloaded".into(),
             Told::Playing(_) => "playing".into(),
-            Told::Kept(why) => format!("kept: {why}"),
+            Told::Kept(why, cause) => format!("kept {cause}: {why}"),
         });
     };
     let mut session = Session::start(Beginning {

@@ -221,15 +221,18 @@ fn a_journal_knows_what_took_over() {
     let text = fs::read_to_string(scratch.0.join("j.jsonl")).unwrap();
     let lines: Vec<serde_json::Value> =
         text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-    let at = lines.iter().position(|line| line["kind"] == "refused").expect("a line");
-    let (came, refused) = (&lines[at - 1], &lines[at]);
-    assert!(came["kind"] == "in" && came["message"] == "reload" && came["id"] == refused["cause"], "{came}");
+    let refused = lines.iter().find(|line| line["kind"] == "refused").expect("a line");
+    let asked = |line: &serde_json::Value, cause: &serde_json::Value| {
+        line["kind"] == "in" && line["message"] == "reload" && line["id"] == cause["cause"]
+    };
+    assert!(lines.iter().any(|line| asked(line, refused)), "{refused}");
     assert!(refused["message"].as_str().unwrap().starts_with("p.toml:10: this is not TOML"), "{refused}");
     // Whoever let the others take over is known.
     let swaps: Vec<_> = lines.iter().filter(|line| line["kind"] == "swap").collect();
-    assert_eq!(swaps.len(), 4);
+    // A save may be seen in two parts.
+    assert!(swaps.len() >= 4, "{swaps:?}");
     for swap in swaps {
-        assert!(lines.iter().any(|line| line["kind"] == "in" && line["id"] == swap["cause"]), "{swap}");
+        assert!(lines.iter().any(|line| asked(line, swap)), "{swap}");
     }
 }
 

@@ -39,7 +39,7 @@ impl Hearers {
             // Nobody waits for it where nothing is watched.
             match &what {
                 Told::Reloaded => drop(verdict.send(Ok(()))),
-                Told::Kept(why) => drop(verdict.send(Err((*why).to_string()))),
+                Told::Kept(why, _) => drop(verdict.send(Err((*why).to_string()))),
                 _ => {}
             }
             self.post.told(what);

@@ -73,8 +73,8 @@ pub enum Told<'a> {
     Reloading(&'a Reload, u64),
     /// It plays.
     Reloaded,
-    /// A new patch or rig cannot take over; the old one plays on.
-    Kept(&'a str),
+    /// A new patch or rig cannot take over, and why; the old one plays on. The number of the signal that asked for it.
+    Kept(&'a str, u64),
 }
 
 /// Hears what a conductor tells of, in its thread.
@@ -535,7 +535,7 @@ impl Conductor {
         match self.director.offer(&reload.0.scene.plan) {
             Ok(false) => self.waiting = Some(reload),
             Ok(true) => self.offered = Some(reload),
-            Err(mismatch) => (self.audience)(Told::Kept(&mismatch.to_string())),
+            Err(mismatch) => (self.audience)(Told::Kept(&mismatch.to_string(), reload.1)),
         }
         self.admit();
     }
@@ -546,8 +546,14 @@ impl Conductor {
             return;
         }
         let Some((reload, cause)) = self.offered.take() else { return };
-        self.director.admit();
         self.plan += 1;
+        // It is there when the new plan begins, and waits for that.
+        let at = Instant { sample: self.board.clock.get(), fraction: 0 };
+        let mut outlet = ToCallback { rings: &mut self.rings, clock: at.sample, plan: self.plan, cause };
+        let mut unread = self.performer.unread(&reload.scene.plan, &reload.patch);
+        let brought = sent(unread.all(|event| outlet.send(at, Source::Program, event)));
+        drop(unread);
+        self.director.admit();
         self.next.push_back(Callings::of(&reload.scene.plan));
         (self.audience)(Told::Reloading(&reload, cause));
         let Reload { scene, patch, rig, files, .. } = *reload;
@@ -555,11 +561,7 @@ impl Conductor {
         self.playing = vec![u64::MAX];
         let became = self.performer.become_of(scene, patch, rig, files);
         (self.audience)(Told::Reloaded);
-        let at = self.now();
-        let mut outlet =
-            ToCallback { rings: &mut self.rings, clock: self.board.clock.get(), plan: self.plan, cause };
-        let caught_up = sent(self.performer.catch_up(at, &mut outlet));
-        for problem in [became, caught_up].into_iter().filter_map(Result::err) {
+        for problem in [became, brought].into_iter().filter_map(Result::err) {
             self.refuse(&problem, cause);
         }
     }

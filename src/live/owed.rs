@@ -4,8 +4,8 @@
 //! sounding. Whatever else a sender says may be refused and counted; these are noted in a place of fixed size in which each of them has
 //! its own bit, and done when all that waited before them is.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU8, AtomicU16, AtomicU32, AtomicU64, Ordering};
+use std::sync::{Mutex, TryLockError};
 
 use super::signal::Signal;
 use super::stamp::Stamp;
@@ -98,7 +98,8 @@ impl Owed {
 
     /// Whether anything is owed. What does not let go has to wait outside then, lest it came before what was said earlier.
     pub fn is_due(&self) -> bool {
-        self.noted.load(Ordering::Acquire) != self.done.load(Ordering::Acquire)
+        let done = self.done.load(Ordering::Acquire);
+        self.noted.load(Ordering::Acquire) != done
     }
 
     /// Notes a signal that lets go. Says whether it did: not where it is none.
@@ -159,8 +160,9 @@ impl Owed {
 
     /// Takes all that is owed and gives it to `each`, in the same order however it was noted. It is due until [`Owed::settle`] is told so.
     pub fn take(&self, each: &mut dyn FnMut(Stamp, Signal)) -> Taken {
-        let taken = Taken(self.noted.load(Ordering::Acquire));
-        if taken.0 == self.done.load(Ordering::Acquire) {
+        let done = self.done.load(Ordering::Acquire);
+        let mut taken = Taken(self.noted.load(Ordering::Acquire));
+        if taken.0 == done {
             return taken;
         }
         let stamp = Stamp(self.stamp.load(Ordering::Relaxed));
@@ -174,9 +176,15 @@ impl Owed {
             let number = entry >> 1;
             each(stamp, if entry & 1 == 0 { Signal::Release(number) } else { Signal::Stop(number) });
         }
-        // One that somebody is writing to is due again.
-        let names = self.names.iter().filter_map(|cell| cell.try_lock().ok()?.take());
-        let mut names: Vec<String> = names.collect();
+        let mut names = Vec::new();
+        for cell in &self.names {
+            match cell.try_lock() {
+                Ok(mut cell) => names.extend(cell.take()),
+                // Somebody looks what stands there, or writes: it stays due.
+                Err(TryLockError::WouldBlock) => taken = Taken(done),
+                Err(TryLockError::Poisoned(_)) => {}
+            }
+        }
         names.sort_unstable();
         names.into_iter().for_each(|name| each(stamp, Signal::StopNamed(name)));
         let flags = self.flags.swap(0, Ordering::AcqRel);
@@ -366,6 +374,18 @@ mod tests {
         owed.settle(taken);
         assert!(owed.is_due());
         assert_eq!(settled(&owed).join(";"), "2 Release(1);2 ReleaseAll");
+        assert!(!owed.is_due());
+    }
+
+    /// A name that somebody has in his hands meanwhile is owed all the same.
+    #[test]
+    fn a_name_that_cannot_be_looked_at_stays_due() {
+        let owed = Owed::new(Way::Program);
+        assert!(owed.note(Stamp(1), &Signal::StopNamed("p".into())));
+        let held = owed.names[0].lock().unwrap();
+        assert!(settled(&owed).is_empty() && owed.is_due());
+        drop(held);
+        assert_eq!(settled(&owed), ["1 StopNamed(\"p\")"]);
         assert!(!owed.is_due());
     }
 

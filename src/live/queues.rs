@@ -11,7 +11,7 @@ use std::thread::Thread;
 use std::time::Duration;
 
 use super::owed::Owed;
-use super::signal::{Origin, Refused, Stamped};
+use super::signal::{Origin, Refused, Signal, Stamped};
 use super::stamp::Stamp;
 use super::way::{WAYS, Way};
 
@@ -147,9 +147,10 @@ impl Inbox {
     pub fn close(&mut self) -> [u64; WAYS] {
         self.shared.closed.store(true, Ordering::Release);
         std::array::from_fn(|way| {
-            let lane = &mut self.lanes[way];
-            let waited = usize::from(lane.head.take().is_some()) + std::mem::take(&mut lane.debts).len();
-            (waited + lane.signals.try_iter().count()) as u64
+            let Lane { head, debts, signals, .. } = &mut self.lanes[way];
+            let waited = head.take().into_iter().chain(std::mem::take(debts)).chain(signals.try_iter());
+            // Others would have done nothing.
+            waited.filter(|stamped| !matches!(stamped.signal, Signal::Vain(..))).count() as u64
         })
     }
 

@@ -32,7 +32,7 @@ impl Performer {
             };
             if let Some((encoder, value)) = bind.encoder.zip(self.targets.get(place).copied()) {
                 let turned = bind.turned(encoder, control, value, (127.0 * position).round() as u8);
-                if turned != value && self.plan.control(&control.name).is_ok() {
+                if turned != value {
                     result = result.and(self.set_by(at, now, &control.name, turned, outlet));
                 }
                 continue;
@@ -45,10 +45,6 @@ impl Performer {
                 let moves = pickup.moves(position, stands);
                 (!moves).then(|| pickup.begins_to_wait())
             });
-            // A control that nothing reads has no place in the engine.
-            if self.plan.control(&control.name).is_err() {
-                continue;
-            }
             if waits == Some(true) {
                 let control = &control.name;
                 self.tell(

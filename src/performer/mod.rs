@@ -118,8 +118,6 @@ pub struct Performer {
     pickups: Vec<Pickup>,
     /// Where each control of the patch was sent last.
     targets: Vec<f64>,
-    /// Which of them the engine has not been told since nothing has read them before.
-    unread: Vec<usize>,
     /// Of those that are streams.
     streams: Vec<Option<Stream>>,
     record: Option<Vec<(f64, Play)>>,
@@ -231,7 +229,6 @@ impl Performer {
             in_song: false,
             pickups,
             targets,
-            unread: Vec::new(),
             streams,
             record: None,
             moves: None,
@@ -491,20 +488,17 @@ impl Performer {
         }
     }
 
-    /// Sends controls that something reads since this patch took over to where they were sent before. Says whether there was room.
-    pub fn catch_up(&mut self, at: When, outlet: &mut dyn Outlet) -> bool {
-        let mut sent = true;
-        for number in std::mem::take(&mut self.unread) {
-            let Some((control, value)) =
-                self.patch.controls.get(number).zip(self.targets.get(number).copied())
-            else {
-                continue;
-            };
-            if let Ok(index) = self.plan.control(&control.name) {
-                sent &= outlet.send(at.instant, Source::Program, Event::Control(index, value));
-            }
-        }
-        sent
+    /// What brings controls that nothing reads here to where they were sent, in a scene that reads them, with its first sample.
+    pub fn unread<'a>(&'a self, plan: &'a Plan, patch: &'a Patch) -> impl Iterator<Item = Event> + 'a {
+        let sent = self.patch.controls.iter().zip(&self.targets);
+        sent.filter(|(control, _)| self.plan.control(&control.name).is_err()).filter_map(
+            |(control, target)| {
+                let control = patch.controls.iter().find(|new| new.name == control.name)?;
+                let value = target.clamp(control.range[0], control.range[1]);
+                let index = plan.control(&control.name).ok()?;
+                (value != control.default).then_some(Event::Glide(index, value, 0.0))
+            },
+        )
     }
 
     /// Where each control was sent last, by whomever, if any was since this was asked last or another patch plays.

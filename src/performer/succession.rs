@@ -68,13 +68,10 @@ impl Performer {
         self.take_hands(&new.plan);
         (self.song, self.sung) = (std::mem::take(&mut new.song), new.sung);
         // Controls that still exist keep their values.
-        for (number, (control, target)) in self.patch.controls.iter().zip(&mut self.targets).enumerate() {
+        for (control, target) in self.patch.controls.iter().zip(&mut self.targets) {
             let before = old.controls.iter().position(|c| c.name == control.name);
             if let Some(value) = before.and_then(|number| new.targets.get(number)) {
                 *target = value.clamp(control.range[0], control.range[1]);
-                if new.plan.control(&control.name).is_err() && *target != control.default {
-                    self.unread.push(number);
-                }
             }
         }
         for (control, stream) in self.patch.controls.iter().zip(&mut self.streams) {

@@ -167,12 +167,10 @@ fn what_was_played_is_played_again_to_the_bit() {
             hum.frame == Some(0) && hum.seconds.is_some() && hum.gains.as_deref().unwrap().starts_with("1=")
         );
         // Whoever lets a patch take over is known.
-        let swaps = lines.iter().filter(|line| line.kind == Kind::Swap);
-        assert!(
-            swaps
-                .filter_map(|line| cause_of(&lines, line))
-                .all(|came| came.message.as_deref() == Some("reload"))
-        );
+        let mut swaps = lines.iter().filter(|line| line.kind == Kind::Swap);
+        let asked =
+            |line| cause_of(&lines, line).is_some_and(|came| came.message.as_deref() == Some("reload"));
+        assert!(swaps.all(asked));
         let drawn = lines.iter().filter(|line| line.pattern.as_deref() == Some("walk"));
         assert!(
             drawn.clone().any(|line| line.event == Some(2) && line.drawn == Some(2)),

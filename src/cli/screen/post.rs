@@ -212,7 +212,7 @@ impl Post {
                 ));
             }
             // Whoever sent it says so.
-            Told::Reloaded | Told::Kept(_) | Told::Vain(..) => {}
+            Told::Reloaded | Told::Kept(..) | Told::Vain(..) => {}
         }
     }
 

@@ -140,7 +140,9 @@ impl Chronicle {
             Told::Vain(why, cause) => {
                 Some(Line { cause: Some(*cause), ..self.refused(None, (*why).to_string()) })
             }
-            Told::Kept(why) => Some(self.refused(Some("reload".into()), (*why).to_string())),
+            Told::Kept(why, cause) => {
+                Some(Line { cause: Some(*cause), ..self.refused(Some("reload".into()), (*why).to_string()) })
+            }
             Told::Playing(_) | Told::Reloaded => None,
         }
     }

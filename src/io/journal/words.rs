@@ -91,12 +91,12 @@ pub(super) fn of_source(source: Source) -> &'static str {
     SOURCES.iter().find(|(known, _)| *known == source).map_or("", |(_, word)| word)
 }
 
-/// What a gate was told, in a word and perhaps a number.
 /// Whether what is of a source begins in a replay by itself.
 pub(super) fn by_itself(source: &str) -> bool {
     source == NODE || source == ALWAYS
 }
 
+/// What a gate was told, in a word and perhaps a number.
 pub(super) fn of_order(order: Order) -> (&'static str, Option<f64>) {
     match order {
         Order::Open => ("open", None),

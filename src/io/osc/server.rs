@@ -411,15 +411,18 @@ impl Listener {
 
     /// Has a journal say why the message that is done now came to nothing.
     fn write(&self, why: Why) {
-        let sent = why.is_some_and(|why| self.handle.send(Signal::Vain(String::new(), why)).is_ok());
-        self.counts.unwritten.add(u64::from(!sent));
+        self.write_by(&self.handle, why);
     }
 
-    /// The same of one that waited for its time. Nothing else is done for it any more.
+    /// The same of one that waited for its time.
     fn write_of(&mut self, Later { from, origin, ahead, .. }: Later, why: Why) {
         let peer = self.peer_of(from);
-        self.handle = self.handle.from(origin).by(&peer).ahead(ahead);
-        self.write(why);
+        self.write_by(&self.handle.from(origin).by(&peer).ahead(ahead), why);
+    }
+
+    fn write_by(&self, handle: &Handle, why: Why) {
+        let sent = why.is_some_and(|why| handle.send(Signal::Vain(String::new(), why)).is_ok());
+        self.counts.unwritten.add(u64::from(!sent));
     }
 
     /// Nothing is known of what was played under an id.

@@ -464,6 +464,21 @@ fn late_far_and_cancelled() {
     assert_eq!(scene.counts().cancelled.get(), 3);
     scene.heard();
     scene.vain(&[("/voice/low/play", panic)]);
+    // What else a message asks for that is a panic is still by that message.
+    scene.handle.board().calm();
+    (0..2).for_each(|_| drop(scene.settle()));
+    scene.send(&bundle(30_000, vec![play()]));
+    scene.settle();
+    let both = "/{panic,arm}";
+    scene.say(both, &[1.into()]);
+    scene.settle();
+    let heard = scene.heard();
+    assert!(matches!(
+        heard[..],
+        [Stamped { signal: Signal::Panic, .. }, Stamped { signal: Signal::Arm(true), .. }]
+    ));
+    assert!(heard.iter().all(|s| s.origin == Origin::Osc(both.into(), "1".into())), "{heard:?}");
+    scene.vain(&[("/voice/low/play", panic)]);
 }
 
 /// Whoever pulls the brake waits for nothing that came before, and nothing that came before lets it go.

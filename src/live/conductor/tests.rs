@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex};
 use super::{Audience, Board, Conductor, Handle, Report, Signal, Stamped, Told};
 use crate::engine::event::Event;
 use crate::engine::exchange::exchange;
+use crate::engine::turnover::{Turn, Turned};
 use crate::graph::scene::{Options, Scene, scene};
 use crate::live::callback::{Callback, Deed};
 use crate::live::clock::Follower;
@@ -557,6 +558,21 @@ fn a_control_that_nothing_reads_stands_where_it_was_sent() {
     bench.handle.set("depth", 1.25).unwrap();
     bench.conductor.listen();
     assert_eq!((board.undone.get(), board.values.get("depth")), (0, Some(1.25)));
+    // As by a fader and an encoder that are bound to it.
+    let bound = "[[bind]]\nfrom = \"osc./f\"\ncontrol = \"depth\"\npickup = false\n\
+                 [[bind]]\nfrom = \"midi.cc 7\"\ncontrol = \"depth\"\nencoder = \"twos-complement\"\n";
+    bench.handle.send(Signal::Reload(reload_with(&["a"], &format!("{unread}{bound}")))).unwrap();
+    bench.conductor.listen();
+    bench.turn(60);
+    bench.handle.send(Signal::Osc("/f".into(), vec![0.25])).unwrap();
+    bench.conductor.listen();
+    assert_eq!((board.undone.get(), board.values.get("depth")), (0, Some(0.5)));
+    let turned = Message::Controller { channel: Channel::new(0).unwrap(), number: 7, value: 1 };
+    bench.handle.send(Signal::Midi(0, turned)).unwrap();
+    bench.conductor.listen();
+    assert!(board.undone.get() == 0 && board.values.get("depth").is_some_and(|value| value > 0.5));
+    bench.handle.set("depth", 1.25).unwrap();
+    bench.conductor.listen();
     bench.handle.set("width", 1.0).unwrap();
     bench.conductor.listen();
     assert_eq!(board.undone.get(), 1, "there is no such control");
@@ -570,11 +586,42 @@ fn a_control_that_nothing_reads_stands_where_it_was_sent() {
         for report in bench.reports.lock().unwrap().iter() {
             match report.deed {
                 Deed::Swap => swapped = true,
-                Deed::Event { event: Event::Control(0, value), .. } => sent.push(value),
+                Deed::Event { event: Event::Glide(0, value, 0.0), .. } if swapped => sent.push(value),
                 _ => {}
             }
         }
         assert_eq!((swapped, sent), (true, told.into_iter().collect()), "{rest}");
         assert_eq!(board.values.get("depth"), Some(1.25));
     }
+}
+
+/// One that always sounds is told of where it begins: with its patch, under the names of that; one that goes on is not told of again.
+#[test]
+fn what_always_sounds_is_told_of_where_it_begins() {
+    let hum = |name: &str| {
+        format!(
+            "[voice.{name}]\nstart = \"always\"\noutput = \"s\"\n[voice.{name}.nodes]\ns = {{ type = \"sine\", frequency = 50 }}\n"
+        )
+    };
+    let mut bench = Bench::of(compiled_with(&["a"], &hum("one")));
+    bench.turn(1);
+    for rest in [hum("two") + &hum("one"), hum("two")] {
+        bench.handle.send(Signal::Reload(reload_with(&["a"], &rest))).unwrap();
+        bench.conductor.listen();
+        bench.turn(60);
+    }
+    let (mut swap, mut told) = (None, Vec::new());
+    for report in bench.reports.lock().unwrap().iter() {
+        match report.deed {
+            Deed::Swap => swap = Some(report.frame),
+            Deed::Turn(Turn { at, what: Turned::Began(play) }) => {
+                // With the first frame that its plan gives.
+                let due = swap.unwrap_or(0);
+                assert!((due..due + 6).contains(&(at.sample * 6)), "{report:?} behind {swap:?}");
+                told.push((swap.is_some(), play.instrument));
+            }
+            _ => {}
+        }
+    }
+    assert_eq!(told, [(false, 1), (true, 1)]);
 }
