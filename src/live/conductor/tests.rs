@@ -560,7 +560,7 @@ fn a_control_that_nothing_reads_stands_where_it_was_sent() {
     assert_eq!((board.undone.get(), board.values.get("depth")), (0, Some(1.25)));
     // As by a fader and an encoder that are bound to it.
     let bound = "[[bind]]\nfrom = \"osc./f\"\ncontrol = \"depth\"\npickup = false\n\
-                 [[bind]]\nfrom = \"midi.cc 7\"\ncontrol = \"depth\"\nencoder = \"twos-complement\"\n";
+                 [[bind]]\nfrom = \"midi.controller 7\"\ncontrol = \"depth\"\nencoder = \"twos-complement\"\n";
     bench.handle.send(Signal::Reload(reload_with(&["a"], &format!("{unread}{bound}")))).unwrap();
     bench.conductor.listen();
     bench.turn(60);
