@@ -179,32 +179,35 @@ impl Watcher {
             paths.extend(self.watch.paths().map(PathBuf::from));
         }
         self.watch.follow(paths, since);
-        // What the session itself refuses, it says.
-        let mut asked = false;
         let news = match loaded.and_then(|loaded| self.course.compile(loaded)) {
-            Err(failure) => News::Broken(failure),
-            Ok(Err((why, help))) => News::Kept(why, help),
+            Err(failure) => self.broken(failure),
+            Ok(Err((why, help))) => {
+                self.in_vain(format!("{why}; {help}"));
+                News::Kept(why, help)
+            }
             Ok(Ok((loaded, reload))) => {
                 let first = reload.scene.patterns.clone();
                 let effects = reload.scene.plan.knob.as_ref().map(|knob| knob.setup.effects.clone());
-                asked = true;
                 match self.send(&loaded, reload)? {
                     Ok(Ok(())) => News::Took(loaded, first, changed, effects.unwrap_or_default()),
+                    // The session has said so itself.
                     Ok(Err(why)) => News::Kept(why, AGAIN.into()),
-                    Err(failure) => News::Broken(failure),
+                    Err(failure) => self.broken(failure),
                 }
             }
         };
-        let why = match &news {
-            News::Broken(failure) => Some(failure.brief()),
-            News::Kept(why, help) if !asked => Some(format!("{why}; {help}")),
-            News::Kept(..) | News::Took(..) => None,
-        };
-        if let Some(why) = why {
-            // Where there is no room for it now, it is said all the same.
-            let _ = self.session.send(Signal::Vain("reload".into(), why));
-        }
         self.tell.send(news).ok()
+    }
+
+    fn broken(&self, failure: Failure) -> News {
+        self.in_vain(failure.brief());
+        News::Broken(failure)
+    }
+
+    /// What was saved does not get as far as the session, whose journal is to say why.
+    fn in_vain(&self, why: String) {
+        // Where there is no room for it now, it is shown all the same.
+        let _ = self.session.send(Signal::Vain("reload".into(), why));
     }
 
     /// Sends it to the session and waits for the answer; `None` when the session is over.

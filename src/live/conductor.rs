@@ -550,9 +550,8 @@ impl Conductor {
         // It is there when the new plan begins, and waits for that.
         let at = Instant { sample: self.board.clock.get(), fraction: 0 };
         let mut outlet = ToCallback { rings: &mut self.rings, clock: at.sample, plan: self.plan, cause };
-        let mut unread = self.performer.unread(&reload.scene.plan, &reload.patch);
-        let brought = sent(unread.all(|event| outlet.send(at, Source::Program, event)));
-        drop(unread);
+        let brings = |event| outlet.send(at, Source::Program, event);
+        let brought = sent(self.performer.unread(&reload.scene.plan, &reload.patch).all(brings));
         self.director.admit();
         self.next.push_back(Callings::of(&reload.scene.plan));
         (self.audience)(Told::Reloading(&reload, cause));

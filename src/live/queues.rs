@@ -11,7 +11,7 @@ use std::thread::Thread;
 use std::time::Duration;
 
 use super::owed::Owed;
-use super::signal::{Origin, Refused, Signal, Stamped};
+use super::signal::{Origin, Refused, Stamped};
 use super::stamp::Stamp;
 use super::way::{WAYS, Way};
 
@@ -149,8 +149,7 @@ impl Inbox {
         std::array::from_fn(|way| {
             let Lane { head, debts, signals, .. } = &mut self.lanes[way];
             let waited = head.take().into_iter().chain(std::mem::take(debts)).chain(signals.try_iter());
-            // Others would have done nothing.
-            waited.filter(|stamped| !matches!(stamped.signal, Signal::Vain(..))).count() as u64
+            waited.filter(|stamped| stamped.signal.counts()).count() as u64
         })
     }
 

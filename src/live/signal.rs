@@ -55,6 +55,13 @@ pub enum Signal {
     End,
 }
 
+impl Signal {
+    /// Whether something is lost where it is not taken: what was asked for in vain was counted by whoever refused it.
+    pub(super) fn counts(&self) -> bool {
+        !matches!(self, Self::Vain(..))
+    }
+}
+
 /// By which way a signal came, where it does not say so itself. A journal has it.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Origin {
@@ -200,8 +207,7 @@ impl Handle {
             self.board.cables.message(*port, now, *message);
         }
         let (ahead, tag) = (self.ahead, self.tag);
-        // That would have done nothing.
-        let counts = !matches!(signal, Signal::Vain(..));
+        let counts = signal.counts();
         let sent = self.inlet.send(now, Stamped { id: 0, stamp, origin, peer, pulls, ahead, tag, signal });
         self.board.refused.of(way).add(u64::from(counts && sent == Err(Refused::Busy)));
         sent

@@ -35,6 +35,7 @@ const SET: Duration = Duration::from_millis(2);
 pub struct Chronicle {
     /// What sounds, and what has not taken over yet.
     names: Names,
+    /// With the number of the signal that asked for it.
     next: VecDeque<(Names, u64)>,
     /// Where events come from, by their ids; of markers, what they are called as well.
     voices: BTreeMap<u64, Stand>,
@@ -55,6 +56,11 @@ struct Stand {
 /// What is beyond the sample of an instant.
 fn fraction(instant: Instant) -> f64 {
     f64::from(instant.fraction) / 4_294_967_296.0
+}
+
+/// The number of the signal that asked for something; 0 is none.
+fn signalled(cause: u64) -> Option<u64> {
+    (cause > 0).then_some(cause)
 }
 
 /// When a session began that has gone on for so long, by a clock that says `now`; as it said at the beginning, unless it was set since.
@@ -133,16 +139,9 @@ impl Chronicle {
                 self.next.push_back((Names::of(&reload.scene.plan), *cause));
                 None
             }
-            Told::Refused(problem, cause) => {
-                let cause = Some(*cause).filter(|cause| *cause > 0);
-                Some(Line { cause, ..self.refused(None, problem.to_string()) })
-            }
-            Told::Vain(why, cause) => {
-                Some(Line { cause: Some(*cause), ..self.refused(None, (*why).to_string()) })
-            }
-            Told::Kept(why, cause) => {
-                Some(Line { cause: Some(*cause), ..self.refused(Some("reload".into()), (*why).to_string()) })
-            }
+            Told::Refused(problem, cause) => Some(self.refused(None, &problem.to_string(), *cause)),
+            Told::Vain(why, cause) => Some(self.refused(None, why, *cause)),
+            Told::Kept(why, cause) => Some(self.refused(Some("reload"), why, *cause)),
             Told::Playing(_) | Told::Reloaded => None,
         }
     }
@@ -179,7 +178,7 @@ impl Chronicle {
         let mut line = match &report.deed {
             Deed::Event { at, due, source, event, cause } => {
                 let line = self.event(*at, *due, words::of_source(*source), event, moment);
-                Line { cause: Some(*cause).filter(|cause| *cause > 0), ..line }
+                Line { cause: signalled(*cause), ..line }
             }
             Deed::Crossing(crossing @ Crossing { at, .. }) => match &crossing.what {
                 SetOff::Voice(play) => self.event(*at, *at, words::NODE, &Event::Play(*play), moment),
@@ -211,7 +210,7 @@ impl Chronicle {
             Deed::Swap => {
                 let mut line = Line::new(Kind::Swap);
                 if let Some((names, cause)) = self.next.pop_front() {
-                    (self.names, line.cause) = (names, Some(cause));
+                    (self.names, line.cause) = (names, signalled(cause));
                 }
                 line
             }
@@ -284,9 +283,10 @@ impl Chronicle {
         line
     }
 
-    fn refused(&self, name: Option<String>, why: String) -> Line {
+    fn refused(&self, name: Option<&str>, why: &str, cause: u64) -> Line {
         let why = why.replace("\n  help: ", "; ");
-        Line { name, message: Some(why), ..self.now(Kind::Refused) }
+        let name = name.map(String::from);
+        Line { name, message: Some(why), cause: signalled(cause), ..self.now(Kind::Refused) }
     }
 
     fn came(&self, Stamped { id, stamp, origin, peer, ahead, signal, .. }: &Stamped) -> Line {

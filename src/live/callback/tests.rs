@@ -3,15 +3,18 @@ use std::sync::Arc;
 use ringbuf::traits::{Consumer, Observer, Producer};
 
 use super::{Callback, Cue, Deed, FOR_PROGRAM, PATTERNS, Rings, SOURCES, UNDER_WAY};
-use crate::engine::event::{Event, Source};
+use crate::engine::event::{Event, Play, Source};
 use crate::engine::exchange::exchange;
+use crate::engine::turnover::{Turn, Turned};
 use crate::graph::scene::{Options, scene};
+use crate::graph::start::FIELDS;
 use crate::live::board::Board;
 use crate::live::gate::{Gate, Order};
 use crate::node::asset::NoAssets;
 use crate::patch::Patch;
 use crate::rig::Rig;
 use crate::schedule::Instant;
+use crate::space::spot::Spot;
 
 const STOPS: usize = 0;
 const PROGRAM: usize = 2;
@@ -126,4 +129,38 @@ fn what_the_gate_is_told_is_reported_behind_any_number_of_events() {
     let orders = deeds.iter().filter(|deed| matches!(deed, Deed::Order(_))).count() as u64;
     assert_eq!(deeds.last(), Some(&Deed::Order(Order::Close)));
     assert_eq!((orders, deeds.len() as u64 - orders + callback.board.untold.get()), (3, sent));
+}
+
+/// Nobody fetches what is told: voices that make room, of which a replay knows by itself, leave half of the room to what it needs.
+#[test]
+fn a_flood_of_voices_that_make_room_leaves_room_for_what_is_played() {
+    let (mut callback, mut rings) = callback();
+    let play = Play {
+        instrument: 0,
+        place: Spot::Row(0),
+        level: 0.1,
+        felt: None,
+        duration: 1.0,
+        own: [0.0; FIELDS],
+        id: 7,
+    };
+    let mut sent = 0;
+    while sent < 2 * super::REPORTS {
+        for _ in 0..1000 {
+            send(&mut rings, PROGRAM, 0, Event::Play(play));
+        }
+        callback.process(&[], &mut [0.0; 64]);
+        sent += 1000;
+    }
+    let deeds: Vec<_> = rings.reports.pop_iter().map(|report| report.deed).collect();
+    let last =
+        deeds.iter().rposition(|deed| matches!(deed, Deed::Turn(Turn { what: Turned::Stolen(7, 7), .. })));
+    assert!(last.is_some_and(|last| last < super::REPORTS / 2), "{last:?} of {}", deeds.len());
+    let played = deeds.iter().filter(|deed| matches!(deed, Deed::Event { .. })).count();
+    assert!(played > super::REPORTS / 2, "{played}");
+    assert_eq!(
+        played as u64 + callback.board.untold.get(),
+        sent as u64,
+        "and no voice that made room is missed"
+    );
 }
