@@ -240,23 +240,25 @@ fn what_the_gate_does_is_told_beside_the_markers() {
     let gate = || loop {
         let (tag, message) = hear_all(&logger);
         if message.addr == "/gate" {
-            let [OscType::String(what), OscType::Long(frame), OscType::Double(seconds)] = &message.args[..]
+            let [OscType::String(what), OscType::Long(frame), OscType::Double(seconds), OscType::Long(cause)] =
+                &message.args[..]
             else {
                 panic!("{message:?}")
             };
             assert!(tag.is_some());
-            break (what.clone(), *frame, *seconds);
+            break (what.clone(), *frame, *seconds, *cause);
         }
     };
     let opened = gate();
-    assert_eq!((opened.0.as_str(), opened.1), ("open", 0));
+    assert_eq!((opened.0.as_str(), opened.1, opened.3), ("open", 0, 0));
     let mut before = (opened.1, opened.2);
-    let mut next = |signal: Signal, word: &str| {
+    let mut next = |signal: Signal, word: &str, by: i64| {
         // A panic calls off what was told ahead.
         while hear(&logger).1.addr != "/marker" {}
         session.handle().send(signal).unwrap();
-        let (what, frame, seconds) = gate();
-        assert!(what == word && frame > before.0 && seconds > before.1, "{what} at {frame}, {seconds} s");
+        let (what, frame, seconds, cause) = gate();
+        assert_eq!((what.as_str(), cause), (word, by));
+        assert!(frame > before.0 && seconds > before.1, "{what} at {frame}, {seconds} s");
         let by_frames = (frame - before.0) as f64 / 48_000.0;
         assert!(
             (seconds - before.1 - by_frames).abs() < 0.05,
@@ -265,9 +267,81 @@ fn what_the_gate_does_is_told_beside_the_markers() {
         );
         before = (frame, seconds);
     };
-    next(Signal::Panic, "latch");
+    next(Signal::Panic, "latch", 1);
     session.handle().start("trial").unwrap();
-    next(Signal::Calm, "release");
+    next(Signal::Calm, "release", 3);
+}
+
+/// Whoever reads that the gate was latched finds what had asked for it, by whichever way.
+#[test]
+fn the_gate_tells_which_signal_asked_for_what_it_does() {
+    type Asked = Arc<Mutex<Vec<(String, u64)>>>;
+    let (came, orders) = (Asked::default(), Asked::default());
+    let (comes, ordered) = (Arc::clone(&came), Arc::clone(&orders));
+    let audience = move |what: Told<'_>| match what {
+        Told::Came(stamped) => {
+            comes.lock().unwrap().push((format!("{:?}", stamped.signal), stamped.id));
+        }
+        Told::Report(Report { deed: Deed::Order(order, cause), .. }, _) => {
+            ordered.lock().unwrap().push((format!("{order:?}"), *cause));
+        }
+        _ => {}
+    };
+    let session = Session::start(Beginning {
+        block: Some(64),
+        audience: Box::new(audience),
+        ..Beginning::of(reload(PATCH), Chosen::Virtual(None))
+    })
+    .unwrap();
+    let handle = session.handle().clone();
+    let patch = common::patch(PATCH);
+    let server = Server::start("0".parse().unwrap(), handle.clone(), &patch, None).unwrap();
+    let client = client();
+    let last = |of: &Asked| of.lock().unwrap().last().cloned();
+    let expect = |signal: &str, order: &str| {
+        let begin = std::time::Instant::now();
+        let found =
+            || last(&came).zip(last(&orders)).filter(|(came, told)| came.0 == signal && told.0 == order);
+        let (asked, told) = loop {
+            if let Some(found) = found() {
+                break found;
+            }
+            assert!(
+                begin.elapsed() < Duration::from_secs(20),
+                "{signal} {:?}, {order} {:?}",
+                last(&came),
+                last(&orders)
+            );
+            std::thread::sleep(Duration::from_millis(1));
+        };
+        assert_eq!(asked.1, told.1, "{signal}: {order}");
+        assert!(asked.1 > 0);
+    };
+    // With others in between.
+    let talk = || (0..5).for_each(|_| handle.note("talk").unwrap());
+    for way in ["a signal", "a handle", "OSC"] {
+        talk();
+        match way {
+            "a signal" => handle.send(Signal::Panic).unwrap(),
+            "a handle" => handle.panic(),
+            _ => say(&client, &server, "/panic"),
+        }
+        expect("Panic", "Latch");
+        talk();
+        match way {
+            "OSC" => say(&client, &server, "/calm"),
+            _ => handle.calm().unwrap(),
+        }
+        expect("Calm", "Release");
+        handle.arm(way != "a handle").unwrap();
+        expect(
+            &format!("Arm({})", way != "a handle"),
+            &format!("Gain({:?})", if way == "a handle" { 0.1 } else { 1.0 }),
+        );
+    }
+    talk();
+    handle.end();
+    expect("End", "Close");
 }
 
 /// Some 50 ms ahead are five of these markers.

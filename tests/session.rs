@@ -54,7 +54,7 @@ fn start_in(block: u32, scene: Reload) -> (Session, HeapCons<f32>, Words) {
             Told::Report(Report { deed: Deed::Event { at, due, event, .. }, .. }, _) => {
                 format!("event {} {} {event:?}", at.sample, due.sample)
             }
-            Told::Report(Report { frame, deed: Deed::Order(order) }, _) => {
+            Told::Report(Report { frame, deed: Deed::Order(order, _) }, _) => {
                 format!("Order({frame}, {order:?})")
             }
             Told::Report(report, _) => format!("{report:?}"),

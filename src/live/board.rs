@@ -183,7 +183,7 @@ impl Board {
 
     /// As [`Lever::panic`].
     pub fn panic(&self) {
-        self.lever.panic();
+        self.lever.panic(0);
     }
 
     /// As [`Lever::calm`].

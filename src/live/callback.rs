@@ -88,8 +88,8 @@ pub enum Deed {
     Turn(Turn),
     /// The knob took a world that a slow thread has sent.
     Followed(Followed),
-    /// It told the gate something.
-    Order(Order),
+    /// It told the gate something, for the signal of that number; 0 for none.
+    Order(Order, u64),
     /// The device takes samples in other steps than before.
     Steps(Steps),
     /// It let a new plan take over.
@@ -99,7 +99,7 @@ pub enum Deed {
 impl Deed {
     /// Whether it is one of a few on which all others depend: no flood of those keeps it from being told.
     fn is_rare(&self) -> bool {
-        matches!(self, Self::Order(_) | Self::Steps(_) | Self::Swap)
+        matches!(self, Self::Order(..) | Self::Steps(_) | Self::Swap)
     }
 }
 
@@ -250,20 +250,24 @@ impl Callback {
     /// Tells the gate what others want of it.
     fn obey(&mut self) {
         let mut obeyed = self.obeyed;
-        for order in self.board.lever.orders(&mut obeyed) {
-            self.order(order);
+        for (order, cause) in self.board.lever.orders(&mut obeyed) {
+            self.order_by(order, cause);
         }
         self.obeyed = obeyed;
     }
 
     /// Tells the gate something, before the next frame. One that has closed for good does not open again because a device is back.
     pub fn order(&mut self, order: Order) {
+        self.order_by(order, 0);
+    }
+
+    fn order_by(&mut self, order: Order, cause: u64) {
         if order == Order::Return && self.obeyed.closes() {
             return;
         }
         self.gate.order(order);
         self.stagehand.engine().hold_motors(self.gate.holds());
-        self.tell(Deed::Order(order));
+        self.tell(Deed::Order(order, cause));
     }
 
     /// From the next frame on, what goes out is rounded to the steps of its device.

@@ -224,7 +224,7 @@ impl Conductor {
         }
         self.show_values(taken);
         if self.inbox.is_over() {
-            self.end();
+            self.end(0);
         }
     }
 
@@ -268,7 +268,8 @@ impl Conductor {
                     }
                 }
                 Deed::Crossing(crossing) => set_off |= self.performer.cross(&self.callings, crossing),
-                Deed::Event { .. } | Deed::Turn(_) | Deed::Followed(_) | Deed::Order(_) | Deed::Steps(_) => {}
+                Deed::Event { .. } | Deed::Turn(_) | Deed::Followed(_) | Deed::Order(..) | Deed::Steps(_) => {
+                }
             }
             (self.audience)(Told::Report(&report, moment));
         }
@@ -346,7 +347,7 @@ impl Conductor {
     fn shut(&mut self, at: When, cause: u64) {
         // As a rule, the brake has closed the gate already.
         if !self.board.is_panicked() {
-            self.board.panic();
+            self.board.lever.panic(cause);
         }
         let clock = self.board.clock.get();
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan, cause };
@@ -487,12 +488,12 @@ impl Conductor {
                         .help("take it back once more".to_string()))
                 } else {
                     let woken = self.performer.wake(at, outlet);
-                    self.board.lever.release();
+                    self.board.lever.release(id);
                     sent(woken)
                 }
             }
             Signal::Arm(armed) => {
-                self.board.lever.gain(if armed { 1.0 } else { UNARMED });
+                self.board.lever.gain(if armed { 1.0 } else { UNARMED }, id);
                 Ok(())
             }
             Signal::Torque(rises) if has_knob => sent(self.performer.torque(at, rises, outlet)),
@@ -511,7 +512,7 @@ impl Conductor {
                 Ok(())
             }
             Signal::End => {
-                self.end();
+                self.end(id);
                 Ok(())
             }
         };
@@ -522,8 +523,8 @@ impl Conductor {
         }
     }
 
-    fn end(&mut self) {
-        self.board.lever.close();
+    fn end(&mut self, cause: u64) {
+        self.board.lever.close(cause);
         self.ended = true;
         for (way, left) in Way::ALL.into_iter().zip(self.inbox.close()) {
             self.board.refused.of(way).add(left);

@@ -19,6 +19,16 @@ pub struct Lever {
     releases: AtomicU32,
     /// The bits of a gain; 0 while nobody has said one, since no gain below 0 is wanted.
     gain: AtomicU32,
+    asked: Asked,
+}
+
+/// The numbers of the signals that asked for each last; 0 where it was none. Each is there before what it asks for.
+#[derive(Debug, Default)]
+struct Asked {
+    brake: AtomicU64,
+    release: AtomicU64,
+    gain: AtomicU64,
+    close: AtomicU64,
 }
 
 /// What the gate was told of it.
@@ -35,8 +45,13 @@ pub(super) struct Obeyed {
 const SAID: u32 = 1 << 31;
 
 impl Lever {
-    /// Pulls the emergency brake: the next callback closes the gate, and it stays closed until [`Lever::calm`].
-    pub fn panic(&self) {
+    /// Pulls the emergency brake: the next callback closes the gate, and it stays closed until [`Lever::calm`]. `cause` is the number of the
+    /// signal that asks for it, here and below; 0 for none.
+    pub fn panic(&self, cause: u64) {
+        // Of several, the first has closed it.
+        if !self.is_panicked() {
+            self.asked.brake.store(cause, Ordering::Release);
+        }
         self.pulls.fetch_add(1, Ordering::AcqRel);
     }
 
@@ -68,7 +83,8 @@ impl Lever {
     }
 
     /// The next callback closes the gate for good: the session comes to its end.
-    pub fn close(&self) {
+    pub fn close(&self, cause: u64) {
+        self.asked.close.store(cause, Ordering::Release);
         self.close.store(true, Ordering::Release);
     }
 
@@ -78,18 +94,20 @@ impl Lever {
     }
 
     /// What the brake had shut opens again.
-    pub fn release(&self) {
+    pub fn release(&self, cause: u64) {
+        self.asked.release.store(cause, Ordering::Release);
         self.releases.fetch_add(1, Ordering::AcqRel);
     }
 
     /// The gain of the open gate, 0 to 1; what is no number is 0.
-    pub fn gain(&self, gain: f32) {
+    pub fn gain(&self, gain: f32, cause: u64) {
+        self.asked.gain.store(cause, Ordering::Release);
         let gain = if gain > 0.0 { gain.min(1.0) } else { 0.0 };
         self.gain.store(gain.to_bits() | SAID, Ordering::Release);
     }
 
-    /// What is wanted that the gate was not told of yet.
-    pub(super) fn orders(&self, obeyed: &mut Obeyed) -> impl Iterator<Item = Order> + use<> {
+    /// What is wanted that the gate was not told of yet, and which signal asked for it.
+    pub(super) fn orders(&self, obeyed: &mut Obeyed) -> impl Iterator<Item = (Order, u64)> + use<> {
         // Before the brake is looked at: what is released was taken back before.
         let releases = self.releases.load(Ordering::Acquire);
         let panic = self.is_panicked();
@@ -107,7 +125,11 @@ impl Lever {
             releases,
             gain,
         };
-        [latch, open, level, release, close].into_iter().flatten()
+        let by = |cause: &AtomicU64| cause.load(Ordering::Acquire);
+        let Asked { brake, release: released, gain: levelled, close: closed } = &self.asked;
+        let causes = [by(brake), 0, by(levelled), by(released), by(closed)];
+        let orders = [latch, open, level, release, close].into_iter().zip(causes);
+        orders.filter_map(|(order, cause)| Some((order?, cause)))
     }
 }
 
@@ -123,7 +145,7 @@ mod tests {
     use super::{Lever, Obeyed, Order};
 
     fn told(lever: &Lever, obeyed: &mut Obeyed) -> Vec<Order> {
-        lever.orders(obeyed).collect()
+        lever.orders(obeyed).map(|(order, _)| order).collect()
     }
 
     #[test]
@@ -131,15 +153,15 @@ mod tests {
         let (lever, mut obeyed) = (Lever::default(), Obeyed::default());
         assert_eq!(told(&lever, &mut obeyed), []);
         lever.open();
-        (0..1000).for_each(|n| lever.gain(n as f32 / 1000.0));
+        (0..1000).for_each(|n| lever.gain(n as f32 / 1000.0, 0));
         assert_eq!(told(&lever, &mut obeyed), [Order::Open, Order::Gain(0.999)]);
         assert_eq!(told(&lever, &mut obeyed), []);
         for (gain, is) in [(0.0, 0.0), (-3.0, 0.0), (7.0, 1.0), (f32::NAN, 0.0)] {
-            lever.gain(gain);
+            lever.gain(gain, 0);
             let told = told(&lever, &mut obeyed);
             assert!(told == [Order::Gain(is)] || (told.is_empty() && gain == -3.0), "{gain} {told:?}");
         }
-        lever.close();
+        lever.close(0);
         lever.closing().store(true, std::sync::atomic::Ordering::Relaxed);
         assert_eq!(told(&lever, &mut obeyed), [Order::Close]);
         assert!(obeyed.closes() && told(&lever, &mut obeyed).is_empty());
@@ -148,31 +170,51 @@ mod tests {
     #[test]
     fn a_brake_holds_until_it_is_taken_back_and_released() {
         let (lever, mut obeyed) = (Lever::default(), Obeyed::default());
-        lever.panic();
+        lever.panic(0);
         lever.calm();
-        lever.release();
+        lever.release(0);
         assert_eq!(told(&lever, &mut obeyed), [], "it was never latched");
-        lever.panic();
+        lever.panic(0);
         assert_eq!(told(&lever, &mut obeyed), [Order::Latch]);
-        lever.release();
+        lever.release(0);
         assert_eq!(told(&lever, &mut obeyed), [], "the brake is stronger");
         lever.calm();
         assert_eq!(told(&lever, &mut obeyed), [], "and what came meanwhile is no more");
-        lever.panic();
+        lever.panic(0);
         assert_eq!(told(&lever, &mut obeyed), [], "it is latched still");
         lever.calm();
-        lever.release();
+        lever.release(0);
         assert_eq!(told(&lever, &mut obeyed), [Order::Release]);
         // What was said before the last pull takes back none.
-        (0..2).for_each(|_| lever.panic());
+        (0..2).for_each(|_| lever.panic(0));
         assert_eq!(told(&lever, &mut obeyed), [Order::Latch]);
         lever.take_back(lever.pulls() - 1);
-        lever.release();
+        lever.release(0);
         assert!(lever.is_panicked() && told(&lever, &mut obeyed).is_empty());
         lever.calm();
-        lever.release();
+        lever.release(0);
         assert_eq!(told(&lever, &mut obeyed), [Order::Release]);
-        lever.panic();
+        lever.panic(0);
         assert_eq!(told(&lever, &mut obeyed), [Order::Latch]);
+    }
+
+    #[test]
+    fn each_has_the_signal_that_asked_for_it() {
+        let (lever, mut obeyed) = (Lever::default(), Obeyed::default());
+        let mut told = || lever.orders(&mut obeyed).collect::<Vec<_>>();
+        lever.open();
+        lever.gain(0.25, 7);
+        lever.gain(0.5, 8);
+        assert_eq!(told(), [(Order::Open, 0), (Order::Gain(0.5), 8)]);
+        lever.panic(9);
+        lever.panic(10);
+        assert_eq!(told(), [(Order::Latch, 9)], "the second found it closed");
+        lever.calm();
+        lever.release(11);
+        assert_eq!(told(), [(Order::Release, 11)]);
+        lever.panic(12);
+        assert_eq!(told(), [(Order::Latch, 12)]);
+        lever.closing().store(true, std::sync::atomic::Ordering::Relaxed);
+        assert_eq!(told(), [(Order::Close, 0)], "nobody has said why");
     }
 }

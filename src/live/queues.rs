@@ -79,19 +79,26 @@ pub(crate) fn queues() -> (Inlet, Inbox) {
 }
 
 impl Inlet {
-    /// Sends a signal, now. Gives it its number within the session, and tells it.
+    /// The number that a signal is to have which will be sent.
+    pub fn number(&self) -> u64 {
+        self.shared.ids.fetch_add(1, Ordering::Relaxed) + 1
+    }
+
+    /// Sends a signal, now; one that has no number yet is given the next of the session. Tells it.
     ///
     /// # Errors
     /// One that was not taken.
     pub fn send(&self, now: Stamp, mut stamped: Stamped) -> Result<u64, Refused> {
-        let Shared { owed, ids, conductor, closed } = &*self.shared;
+        let Shared { owed, conductor, closed, .. } = &*self.shared;
         if closed.load(Ordering::Acquire) {
             return Err(Refused::Ended);
         }
         let way = Way::of(&stamped.signal, &stamped.origin);
         let owed = &owed[way as usize];
-        let id = ids.fetch_add(1, Ordering::Relaxed) + 1;
-        stamped.id = id;
+        if stamped.id == 0 {
+            stamped.id = self.number();
+        }
+        let id = stamped.id;
         let unsent = if owed.is_due() {
             Some(stamped)
         } else {

@@ -200,6 +200,11 @@ impl Handle {
 
     /// The same, of somebody who knew of so many pulls of the brake.
     pub(crate) fn send_knowing(&self, stamp: Stamp, signal: Signal, pulls: u64) -> Result<u64, Refused> {
+        self.send_as(0, stamp, signal, pulls)
+    }
+
+    /// The same, under a number that was asked for before; 0 for the next.
+    fn send_as(&self, id: u64, stamp: Stamp, signal: Signal, pulls: u64) -> Result<u64, Refused> {
         let way = Way::of(&signal, &self.origin);
         let (origin, peer) = (self.origin.clone(), self.peer.clone());
         let now = self.epoch.now();
@@ -208,7 +213,7 @@ impl Handle {
         }
         let (ahead, tag) = (self.ahead, self.tag);
         let counts = signal.counts();
-        let sent = self.inlet.send(now, Stamped { id: 0, stamp, origin, peer, pulls, ahead, tag, signal });
+        let sent = self.inlet.send(now, Stamped { id, stamp, origin, peer, pulls, ahead, tag, signal });
         self.board.refused.of(way).add(u64::from(counts && sent == Err(Refused::Busy)));
         sent
     }
@@ -323,9 +328,33 @@ impl Handle {
 
     /// Closes the gate with the next callback, whatever else waits; it stays closed until [`Handle::calm`].
     pub fn panic(&self) {
-        self.board.panic();
+        let number = self.brake();
         // The brake is pulled, even where the session has ended.
-        let _ = self.send(Signal::Panic);
+        let _ = self.send_panic(self.epoch.now(), number);
+    }
+
+    /// The number of a signal that is still to be sent.
+    pub(crate) fn signal_number(&self) -> u64 {
+        self.inlet.number()
+    }
+
+    /// Pulls the brake for a signal that is still to be sent, and gives its number.
+    pub(crate) fn brake(&self) -> u64 {
+        let number = self.signal_number();
+        self.board.lever.panic(number);
+        number
+    }
+
+    /// Sends the signal of that number, for which the brake was pulled.
+    pub(crate) fn send_panic(&self, stamp: Stamp, number: u64) -> Result<u64, Refused> {
+        self.send_as(number, stamp, Signal::Panic, self.board.lever.pulls())
+    }
+
+    /// Ends the session: the gate closes with the next callback, whatever else waits, and even where the session has ended.
+    pub fn end(&self) {
+        let number = self.signal_number();
+        self.board.lever.close(number);
+        let _ = self.send_as(number, self.epoch.now(), Signal::End, self.board.lever.pulls());
     }
 
     /// Bytes came through a port of MIDI that make no message yet, as those in the middle of a long system exclusive: its cable is there. One that

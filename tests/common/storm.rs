@@ -30,11 +30,11 @@ pub fn due(clock: u64, i: u32) -> Instant {
 pub fn pull(board: &pacinian::live::board::Board, i: u32) {
     match i % 6 {
         0 => board.lever.open(),
-        1 => board.lever.gain(0.5),
-        2 => board.lever.panic(),
+        1 => board.lever.gain(0.5, 0),
+        2 => board.lever.panic(0),
         3 => board.lever.calm(),
-        4 => board.lever.release(),
-        _ => board.lever.gain(1.0),
+        4 => board.lever.release(0),
+        _ => board.lever.gain(1.0, 0),
     }
 }
 

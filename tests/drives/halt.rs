@@ -106,7 +106,7 @@ impl Stage {
         let told = self.frames.len() / 3;
         match way {
             Way::Panic => self.board.panic(),
-            Way::End => self.board.lever.close(),
+            Way::End => self.board.lever.close(0),
             Way::Signal => self.board.lever.closing().store(true, Ordering::Release),
             Way::LostDevice => self.callback.order(Order::Close),
             Way::SoundOff => self.cue(0.0, Event::Silence(0, 64)),

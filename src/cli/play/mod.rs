@@ -251,9 +251,8 @@ impl Play {
         }
         let end = End::wait(self.duration, &session, &stop, &mut show, |show| company.look(&session, show));
         // The gate closes before anything else is done, even where the conductor is no more.
-        session.board().lever.close();
+        session.handle().from(end.origin()).end();
         let held = (!is_virtual).then(|| device_queue::told(session.board()));
-        let _ = session.handle().from(end.origin()).send(Signal::End);
         company.close();
         let peaks = show.end(session.board(), terminal);
         session.stop();

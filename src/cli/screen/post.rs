@@ -191,7 +191,7 @@ impl Post {
     /// For its audience.
     pub fn told(&self, told: Told<'_>) {
         match told {
-            Told::Report(Report { deed: Deed::Order(Order::Gain(gain)), .. }, _) => {
+            Told::Report(Report { deed: Deed::Order(Order::Gain(gain), _), .. }, _) => {
                 self.state(State::Armed(*gain >= 1.0));
             }
             Told::Came(Stamped { signal: Signal::Note(text), .. }) => {

@@ -273,7 +273,7 @@ impl Keeping {
     /// The device is gone. What the system plays on by default may be another by the time it is there again.
     fn lose(&mut self, why: String) {
         if self.default {
-            self.board.lever.gain(UNARMED);
+            self.board.lever.gain(UNARMED, 0);
             (self.fate)(Fate::Lowered);
         }
         self.leave(why);

@@ -197,12 +197,13 @@ impl Chronicle {
                 fields: world::fields(&followed.message),
                 ..Line::new(Kind::Model)
             },
-            Deed::Order(order) => {
+            Deed::Order(order, cause) => {
                 let (name, value) = words::of_order(*order);
                 // What the device still holds goes out whatever the gate does.
                 let held = self.board.device_delay.get().map(|held| held as f64 * 1e-9);
                 let fields = held.map(|held| ("device_delay".into(), held)).into_iter().collect();
-                Line { name: Some(name.into()), value, fields, ..Line::new(Kind::Gate) }
+                let cause = signalled(*cause);
+                Line { name: Some(name.into()), value, fields, cause, ..Line::new(Kind::Gate) }
             }
             Deed::Steps(steps) => {
                 Line { value: Some(f64::from(steps.bits().unwrap_or(0))), ..Line::new(Kind::Steps) }
@@ -364,7 +365,7 @@ mod tests {
             line.seconds.unwrap()
         };
         let (at, due, source) = (instant, instant, Source::Pattern);
-        assert!((seconds(Deed::Order(Order::Latch)) - 1.02).abs() < 1e-9);
+        assert!((seconds(Deed::Order(Order::Latch, 0)) - 1.02).abs() < 1e-9);
         // With no delay of an engine, the same sample.
         assert!((seconds(Deed::Event { at, due, source, event: marker, cause: 0 }) - 1.02).abs() < 1e-9);
     }

@@ -313,7 +313,7 @@ fn packet(line: &Line, called: Option<i64>, tag: Tag) -> Option<Vec<u8>> {
         Kind::ReleaseAll => ("/event/release-all", vec![sample, seconds]),
         Kind::Gate => {
             let gain = line.value.map(OscType::Double);
-            ("/gate", [name, number(line.frame), seconds].into_iter().chain(gain).collect())
+            ("/gate", [name, number(line.frame), seconds, cause].into_iter().chain(gain).collect())
         }
         Kind::Voice => {
             let (level, duration) = (real(line.level, 0.0), real(line.duration, f64::INFINITY));

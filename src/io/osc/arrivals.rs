@@ -22,8 +22,8 @@ pub(super) struct Arrival {
     pub wall: Tag,
     /// How often the brake had been pulled by then, by this one as well.
     pub pulls: u64,
-    /// Whether it pulled it.
-    pub brakes: bool,
+    /// The number of the signal by which it pulled it, if it did.
+    pub brakes: Option<u64>,
     /// `None`: it pulled the brake, and there was no room for what else is in it.
     pub datagram: Option<Box<[u8]>>,
 }
@@ -61,7 +61,8 @@ impl Arrivals {
         let room = !waiting.over && waiting.bytes + arrival.size() <= ROOM;
         if !room {
             // Behind a brake that waits already, another adds nothing.
-            if !arrival.brakes || waiting.arrivals.back().is_some_and(|last| last.datagram.is_none()) {
+            if arrival.brakes.is_none() || waiting.arrivals.back().is_some_and(|last| last.datagram.is_none())
+            {
                 return false;
             }
             arrival.datagram = None;
@@ -106,7 +107,7 @@ mod tests {
             now: Stamp(now),
             wall: Tag::AT_ONCE,
             pulls: 0,
-            brakes,
+            brakes: brakes.then_some(now),
             datagram,
         }
     }

@@ -85,6 +85,8 @@ pub(super) struct Listener {
     panicked: bool,
     /// How often it had been, when what is done now came.
     pulls: u64,
+    /// The number of the signal by which what is done now pulled it, until that is sent.
+    brakes: Option<u64>,
     messages: u64,
     /// When what the system dropped was looked at last.
     looked: Stamp,
@@ -111,6 +113,7 @@ impl Listener {
             peers: Peers::default(),
             panicked: false,
             pulls: 0,
+            brakes: None,
             messages: 0,
             looked: Stamp::default(),
             rest: Rest::default(),
@@ -134,10 +137,12 @@ impl Listener {
         if let Some(Arrival { from, now, wall, pulls, brakes, datagram }) =
             self.arrivals.next(self.patience(epoch.now()))
         {
-            self.pulls = pulls;
-            let panicked = datagram.is_some_and(|datagram| self.hear(&datagram, from, now, wall));
+            (self.pulls, self.brakes) = (pulls, brakes);
+            if let Some(datagram) = datagram {
+                self.hear(&datagram, from, now, wall);
+            }
             // What else was in it may have left no room for what had pulled the brake.
-            if brakes && !panicked {
+            if self.brakes.is_some() {
                 self.act(now, from, self.messages, Ask::Panic);
             }
             self.rest.after_one(epoch.now());
@@ -179,8 +184,8 @@ impl Listener {
         self.peers.forget_controls();
     }
 
-    /// Does what a datagram asks for, which came at `now`, or `wall` by the clock of the system. Says whether a panic was among it.
-    fn hear(&mut self, datagram: &[u8], from: SocketAddr, now: Stamp, wall: Tag) -> bool {
+    /// Does what a datagram asks for, which came at `now`, or `wall` by the clock of the system.
+    fn hear(&mut self, datagram: &[u8], from: SocketAddr, now: Stamp, wall: Tag) {
         let messages = match unpack(datagram) {
             Ok(messages) => messages,
             Err(unreadable) => {
@@ -189,10 +194,9 @@ impl Listener {
                     Unreadable::Malformed => counts.malformed.add(1),
                     Unreadable::Deep => counts.deep.add(1),
                 }
-                return false;
+                return;
             }
         };
-        let mut panicked = false;
         let mut steps = STEPS;
         for (tag, message) in messages {
             self.messages += 1;
@@ -243,10 +247,7 @@ impl Listener {
                         self.write(why);
                     }
                     // A brake waits for nothing.
-                    (Ok(Ask::Panic), _) => {
-                        panicked = true;
-                        self.act(now, from, self.messages, Ask::Panic);
-                    }
+                    (Ok(Ask::Panic), _) => self.act(now, from, self.messages, Ask::Panic),
                     (Ok(_), _) if costly => {
                         self.counts.refused.add(1);
                         let why = self.complaints.unfound(now, Unfound::Costly);
@@ -272,7 +273,6 @@ impl Listener {
                 }
             }
         }
-        panicked
     }
 
     /// When a value for a stream was sampled that came late, but within what the stream is later anyway.

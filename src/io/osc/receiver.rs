@@ -42,11 +42,8 @@ impl Receiver {
                 Ok((length, from)) => {
                     self.counts.datagrams.add(1);
                     let datagram = space.get(..length).unwrap_or_default();
-                    let (board, brakes) = (self.handle.board(), brake::is_pulled(datagram));
-                    if brakes {
-                        board.panic();
-                    }
-                    let (pulls, datagram) = (board.lever.pulls(), Some(datagram.into()));
+                    let brakes = brake::is_pulled(datagram).then(|| self.handle.brake());
+                    let (pulls, datagram) = (self.handle.board().lever.pulls(), Some(datagram.into()));
                     let arrival = Arrival { from, now, wall: Tag::of(wall), pulls, brakes, datagram };
                     let room = self.arrivals.add(arrival);
                     self.counts.crammed.add(u64::from(!room));

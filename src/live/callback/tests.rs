@@ -126,8 +126,8 @@ fn what_the_gate_is_told_is_reported_behind_any_number_of_events() {
     // That of the voice which always sounds.
     let (turns, deeds): (Vec<_>, Vec<_>) = deeds.into_iter().partition(|deed| matches!(deed, Deed::Turn(_)));
     assert_eq!(turns.len(), 1);
-    let orders = deeds.iter().filter(|deed| matches!(deed, Deed::Order(_))).count() as u64;
-    assert_eq!(deeds.last(), Some(&Deed::Order(Order::Close)));
+    let orders = deeds.iter().filter(|deed| matches!(deed, Deed::Order(..))).count() as u64;
+    assert_eq!(deeds.last(), Some(&Deed::Order(Order::Close, 0)));
     assert_eq!((orders, deeds.len() as u64 - orders + callback.board.untold.get()), (3, sent));
 }
 

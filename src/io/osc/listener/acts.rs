@@ -88,12 +88,14 @@ impl Listener {
             Ask::List(Kind::Patterns) => self.names(from, "/patterns", &self.names.patterns),
             Ask::Panic => {
                 // It was when this came, but somebody may have let it go since.
+                let number = self.brakes.take().unwrap_or_else(|| self.handle.signal_number());
                 let board = self.handle.board();
                 if !board.is_panicked() {
-                    board.panic();
+                    board.lever.panic(number);
                 }
                 self.pulls = board.lever.pulls();
-                self.send(at, Signal::Panic);
+                let taken = self.handle.send_panic(at, number);
+                if taken.is_ok() { &self.counts.taken } else { &self.counts.refused }.add(1);
                 self.cancel();
             }
             // A brake that was pulled since then holds.
