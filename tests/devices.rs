@@ -145,6 +145,81 @@ fn a_card_that_is_pulled_and_plugged_in_again_is_found_and_no_other() {
     assert!(jumps <= 3 + 2 * gaps, "{jumps} jumps, {gaps} gaps");
 }
 
+/// A program that the system halts gives its card nothing to play: ALSA tells of the gap, and from then on frames belong to other moments.
+#[test]
+fn a_gap_of_a_card_is_counted_and_times_line_up_behind_it() {
+    const HALT: f64 = 0.5;
+    let Some(bench) = Bench::new("gap") else { return };
+    bench.write("hum.toml", HUM);
+    let play = ["play", "hum.toml", "--device", "card8", "--block", "512", "--events", "j.jsonl"];
+    let child = bench.start(&[&play[..], &["--record", "sent.wav"]].concat());
+    let length = || fs::metadata(bench.played()).map_or(0, |about| about.len());
+    wait("sound", || length() > 8 * 4 * 96_000);
+    signal(&child, "STOP");
+    std::thread::sleep(Duration::from_secs_f64(HALT));
+    signal(&child, "CONT");
+    let before = length();
+    wait("sound again", || length() > before + 8 * 4 * 96_000);
+    signal(&child, "INT");
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(130) && !said.contains("is gone"), "{said}");
+    let journal = fs::read_to_string(bench.folder.join("j.jsonl")).unwrap();
+    let lines: Vec<serde_json::Value> =
+        journal.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    // The first may stand before anything was asked for.
+    let told = |line: &&serde_json::Value| line["kind"] == "clock" && line["frame"].is_number();
+    let clocks: Vec<_> = lines.iter().filter(told).collect();
+    // By how many seconds a moment is behind its frame, and gaps so far.
+    let [first, last] = [clocks[0], clocks[clocks.len() - 1]].map(|line| {
+        let of = |value: &serde_json::Value| value.as_f64().unwrap_or_else(|| panic!("{line}"));
+        (of(&line["seconds"]) - of(&line["frame"]) / 48_000.0, of(&line["fields"]["xruns"]))
+    });
+    assert!(last.1 > first.1, "no gap was told: {first:?} {last:?}");
+    // What the card had in its buffer it has played meanwhile; a machine that stands still halts it for longer.
+    let behind = last.0 - first.0;
+    let buffered = 2.0 * 512.0 / 48_000.0;
+    assert!(behind > HALT - buffered - 0.02, "{behind} s, {first:?} {last:?}");
+    assert!(behind < HALT + 0.2 || last.1 - first.1 > 1.0, "{behind} s, {first:?} {last:?}");
+    // What was sent is known all the same, without a gap.
+    let again = bench.run(&["replay", "j.jsonl", "--against", "sent.wav"]);
+    assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
+}
+
+/// The thread that a card calls back in asks to run before all others, and where the system allows that it does.
+#[test]
+fn the_callback_of_a_card_runs_in_real_time_where_the_system_allows_it() {
+    let Some(bench) = Bench::new("fifo") else { return };
+    bench.write("hum.toml", HUM);
+    let listed = bench.run(&["devices", "--json"]);
+    let listed: serde_json::Value = serde_json::from_slice(&listed.stdout).unwrap();
+    if listed["real_time_priority"] != true {
+        return bench::skipped("the system gives no real-time priority");
+    }
+    let child = bench.start(&["play", "hum.toml", "--device", "card8"]);
+    wait("sound", || bench.samples().iter().any(|x| x.abs() > 0.2));
+    // Of each thread its priority in real time and its policy, of which 1 is SCHED_FIFO: the fields 40 and 41 of what the system says.
+    let tasks = fs::read_dir(format!("/proc/{}/task", child.id())).unwrap();
+    let stat = |task: fs::DirEntry| fs::read_to_string(task.path().join("stat")).unwrap_or_default();
+    let of = |stat: String| {
+        let fields: Vec<u32> = stat
+            .rsplit(')')
+            .next()?
+            .split_whitespace()
+            .skip(1)
+            .map(|field| field.parse().unwrap_or(0))
+            .collect();
+        Some((*fields.get(36)?, *fields.get(37)?))
+    };
+    let threads: Vec<_> = tasks.filter_map(|task| of(stat(task.ok()?))).collect();
+    signal(&child, "INT");
+    child.wait_with_output().unwrap();
+    let first = threads.iter().filter(|(_, policy)| *policy == 1).map(|(priority, _)| *priority).max();
+    // What feeds it is below, so the highest is its own.
+    let feeding = threads.iter().filter(|(priority, policy)| *policy == 1 && Some(*priority) < first).count();
+    assert!(first.is_some() && feeding > 0, "{threads:?}");
+}
+
 /// Whoever names what ALSA plays on by default has not said which card that is.
 #[test]
 fn a_default_that_is_named_is_at_a_tenth() {

@@ -108,6 +108,7 @@ fn pipes_are_refused_before_they_are_waited_for() {
     scratch.write("sample.toml", format!("{HEAD}[voice.s]\noutput = \"s\"\n{sample}"));
     let render = |patch: &'static str, output: &'static str| vec!["render", patch, "-o", output];
     let with_log = [render("good.toml", "x.wav"), vec!["--log", "fifo"]].concat();
+    let with_midi = |file: &'static str| [render("good.toml", "x.wav"), vec!["--midi", file]].concat();
     let with_input = [render("good.toml", "x.wav"), vec!["--input", "fifo"]].concat();
     for (arguments, code) in [
         (vec!["check", "fifo"], 65),
@@ -116,6 +117,8 @@ fn pipes_are_refused_before_they_are_waited_for() {
         (vec!["check", "file.toml"], 65),
         (vec!["check", "sample.toml"], 65),
         (with_input, 65),
+        (with_midi("fifo"), 65),
+        (with_midi("/dev/zero"), 65),
         (render("good.toml", "fifo"), 73),
         (with_log, 73),
     ] {

@@ -15,7 +15,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use bench::{HUM, Likeness, Playing, floats, hums, likeness, scene, signal, wait};
+use bench::{HUM, Likeness, Playing, clock_went_on, floats, hums, likeness, scene, signal, wait};
 
 const CHANNELS: u32 = 24;
 
@@ -313,8 +313,9 @@ fn a_server_that_is_killed_is_waited_for() {
     let keys = "[[trigger]]\non = \"midi.note\"\nplay = \"keyed\"\n[voice.keyed]\noutput = \"k\"\nnodes.k = { type = \"sine\", frequency = 100 }\n";
     fs::write(rig.folder.join("keys.toml"), format!("{HUM}{keys}")).unwrap();
     for way in WAYS {
+        let journal = format!("{way}.jsonl");
         let play = ["play", "keys.toml", "--rig", "rig.toml", "--device", way, "--block", "1024"];
-        let play = rig.program(&play);
+        let play = rig.program(&[&play[..], &["--events", &journal]].concat());
         let mut playing = Playing::start(play, rig.folder.join("told"));
         std::thread::sleep(Duration::from_millis(600));
         let mut seen = 0;
@@ -352,6 +353,7 @@ fn a_server_that_is_killed_is_waited_for() {
         let said = playing.text();
         assert_eq!(said.matches("the device is back").count(), kills, "{said}");
         assert!(hums(&heard, CHANNELS), "it sounds again");
+        clock_went_on(&rig.folder.join(&journal));
         println!("{way}: {seen} of {kills} returns were heard from their first frame on");
         assert!(seen > 0 || kills < 3, "{way}: no return was heard from its first frame on");
     }

@@ -13,7 +13,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use bench::{HUM, Playing, floats, heard_to_the_bit, hums, scene, signal, wait};
+use bench::{HUM, Playing, clock_went_on, floats, heard_to_the_bit, hums, scene, signal, wait};
 
 const CHANNELS: u32 = 24;
 const DEVICE: &str = "pipewire:glove";
@@ -40,7 +40,7 @@ fn sink(name: &str, channels: u32) -> String {
 impl Rig {
     fn new(name: &str) -> Option<Self> {
         let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-        for program in ["pipewire", "wireplumber", "dbus-daemon", "pw-record", "pw-cli"] {
+        for program in ["pipewire", "wireplumber", "dbus-daemon", "pw-record", "pw-cli", "pw-metadata"] {
             if let Err(error) = Command::new(program).arg("--version").stdout(Stdio::null()).status() {
                 bench::skipped(format!("{program}: {error}"));
                 return None;
@@ -68,6 +68,11 @@ impl Rig {
         self.run("dbus-daemon", &["--session", "--nofork", "--nopidfile", &address]);
         wait("the bus", || self.folder.join("bus").exists());
         self.run("wireplumber", &[]);
+        // It says which is the default, a little later.
+        wait("the session manager", || {
+            let told = self.command("pw-metadata").args(["0", "default.audio.sink"]).output().unwrap();
+            String::from_utf8_lossy(&told.stdout).contains("\"name\"")
+        });
     }
 
     fn run(&mut self, program: &str, arguments: &[&str]) {
@@ -188,6 +193,33 @@ fn a_second_program_hears_every_channel_to_the_bit() {
     });
 }
 
+/// Nobody has named a sink: as many channels are taken as the one has that the server plays on by default, and those arrive as on any other.
+#[test]
+fn the_default_sink_has_the_channels_that_it_has() {
+    let Some(rig) = Rig::new("default") else { return };
+    scene(&rig.folder, 2);
+    let play = ["play", "patch.toml", "--rig", "rig.toml", "--block", "1024", "--arm"];
+    for device in [&[][..], &["--device", DEVICE]] {
+        let refused = rig.program(&play).args(device).args(["--duration", "0.1"]).output().unwrap();
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(refused.status.code() == Some(69) && said.contains("it offers 24"), "{device:?}: {said}");
+    }
+    scene(&rig.folder, CHANNELS);
+    let render = ["render", "patch.toml", "--rig", "rig.toml", "-o", "offline.wav", "--duration", "1.2"];
+    assert!(rig.program(&render).output().unwrap().status.success());
+    let offline = floats(&rig.folder.join("offline.wav"));
+    heard_to_the_bit(&offline, CHANNELS, || {
+        let recorder = rig.record("glove", CHANNELS, "heard.wav");
+        let played = rig.program(&play).args(["--duration", "2"]).output().unwrap();
+        let said =
+            String::from_utf8_lossy(&played.stdout).into_owned() + &String::from_utf8_lossy(&played.stderr);
+        std::thread::sleep(Duration::from_millis(300));
+        let heard = rig.heard(recorder, "heard.wav");
+        assert!(played.status.success(), "{said}");
+        (heard, said)
+    });
+}
+
 /// The sink is destroyed and made again, and then the server is killed and started again: the same device is waited for, and no other played on.
 #[test]
 fn a_sink_and_a_server_that_go_are_waited_for() {
@@ -195,7 +227,7 @@ fn a_sink_and_a_server_that_go_are_waited_for() {
     scene(&rig.folder, CHANNELS);
     fs::write(rig.folder.join("hum.toml"), HUM).unwrap();
     let play = ["play", "hum.toml", "--rig", "rig.toml", "--device", DEVICE, "--block", "1024"];
-    let play = rig.program(&play);
+    let play = rig.program(&[&play[..], &["--events", "s.jsonl"]].concat());
     let mut playing = Playing::start(play, rig.folder.join("told"));
     wait("the beginning", || playing.says("plays on") == 1);
     std::thread::sleep(Duration::from_millis(500));
@@ -217,6 +249,7 @@ fn a_sink_and_a_server_that_go_are_waited_for() {
     let heard = rig.heard(recorder, "heard.wav");
     playing.interrupt();
     assert!(hums(&heard, CHANNELS), "it sounds again");
+    clock_went_on(&rig.folder.join("s.jsonl"));
 }
 
 /// Nobody has named a sink, and the one that it plays on goes. The server is asked not to move the stream to the other one, which hears
@@ -224,8 +257,7 @@ fn a_sink_and_a_server_that_go_are_waited_for() {
 #[test]
 fn where_the_default_sink_goes_the_next_one_hears_a_tenth() {
     let Some(rig) = Rig::new("next") else { return };
-    // What the system's default output is said to have.
-    scene(&rig.folder, 2);
+    scene(&rig.folder, CHANNELS);
     fs::write(rig.folder.join("hum.toml"), HUM).unwrap();
     let play = rig.program(&["play", "hum.toml", "--rig", "rig.toml", "--arm", "--block", "1024"]);
     let mut playing = Playing::start(play, rig.folder.join("told"));

@@ -74,6 +74,7 @@ fn keys_do_what_the_screen_says() {
     seat.see("-20 dB", |text| text.lines().next().is_some_and(|line| line.trim_end().ends_with("-20 dB")));
     seat.press("p");
     seat.see("panic", |text| text.contains("PANIC: the output is shut") && text.contains("SHUT"));
+    seat.see("what the device holds", |text| text.contains("the device still held 2.7 ms"));
     seat.press("c");
     seat.see("calm", |text| {
         !text.contains("SHUT") && text.contains("open again; patterns were stopped: 1 or space starts them")

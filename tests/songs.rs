@@ -113,7 +113,8 @@ fn what_notes_played_is_played_again() {
     assert_eq!(messages, ["90 2D 64", "80 2D 00", "90 39 40", "80 39 00"]);
     let mut led_back = Vec::new();
     for (n, line) in lines.iter().enumerate() {
-        let Some(cause) = line["cause"].as_u64() else { continue };
+        // The end of the session is an answer to no note.
+        let Some(cause) = line["cause"].as_u64().filter(|_| line["kind"] != "gate") else { continue };
         let of = |line: &&Value| sung(line) && line["id"].as_u64() == Some(cause);
         let message = lines[..n].iter().find(of).unwrap_or_else(|| panic!("{line}"));
         assert_eq!(lines.iter().filter(of).count(), 1);

@@ -52,6 +52,10 @@ fn is_finished(scratch: &Scratch, how: &str) {
     let steepest = frames.windows(2).map(|pair| (pair[1][0] - pair[0][0]).abs()).fold(0.0, f32::max);
     // The ramp of 2 ms is 96 frames long.
     assert!(steepest < 0.02, "{how}: a step of {steepest}");
+    let loud = frames.iter().rposition(|frame| frame[0].abs() > 0.4).unwrap();
+    let sounds = frames.iter().rposition(|frame| frame[0] != 0.0).unwrap();
+    // 5 ms, and half a period of 100 Hz in which it need not have been loud.
+    assert!(sounds - loud <= 240 + 240, "{how}: it fades for {} frames", sounds - loud);
     let journal = std::fs::read_to_string(scratch.0.join("e.jsonl")).unwrap();
     assert!(journal.trim_end().lines().last().unwrap().contains("\"end\""), "{how}: {journal:.300}");
     scratch.run(&["replay", "e.jsonl", "--against", "a.wav"]).succeeds();

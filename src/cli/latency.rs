@@ -2,6 +2,7 @@
 
 use super::failure::Failure;
 use super::patience;
+use super::priority;
 use super::stop::{INTERRUPTED, Stop};
 use super::table::{Table, dbfs, many};
 use super::terminal::Terminal;
@@ -167,6 +168,7 @@ impl Latency {
                 asked.asked().is_none()
             })
         })?;
+        priority::told().iter().for_each(|told| terminal.note(&format!("{told}\n")));
         let Some(mut measured) = measured? else {
             return Err(Failure::told(stop.asked().unwrap_or(INTERRUPTED)));
         };

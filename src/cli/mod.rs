@@ -47,6 +47,7 @@ mod place;
 mod plan;
 mod play;
 mod plot;
+mod priority;
 mod problems;
 mod progress;
 mod provenance;

@@ -4,14 +4,17 @@
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A folder that is gone when the test is over.
 pub struct Scratch(pub PathBuf);
 
 impl Scratch {
     pub fn new(name: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("pacinian-cli-{name}-{}", std::process::id()));
-        let _ = std::fs::remove_dir_all(&folder);
+        // Two of one name may be there at once.
+        static COUNT: AtomicU64 = AtomicU64::new(0);
+        let (process, count) = (std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+        let folder = std::env::temp_dir().join(format!("pacinian-cli-{name}-{process}-{count}"));
         std::fs::create_dir_all(&folder).unwrap();
         let scratch = Self(folder);
         scratch.write("good.toml", GOOD);

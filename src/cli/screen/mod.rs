@@ -29,7 +29,6 @@ use std::time::{Duration, Instant};
 
 use crossterm::event::Event;
 use pacinian::io::device::keeper::Fate;
-use pacinian::io::device::priority::{self, Priority};
 use pacinian::io::session::Session;
 use pacinian::live::board::Board;
 use pacinian::live::gate::RAMP_IN;
@@ -40,6 +39,7 @@ use pacinian::text::Problems;
 use super::device_queue;
 use super::failure::Failure;
 use super::loaded::Loaded;
+use super::priority;
 use super::terminal::Terminal;
 use controls::Controls;
 use echo::Echo;
@@ -339,9 +339,10 @@ impl Show {
             };
             self.note(Happened::new(now, mood, torque.to_string()));
         }
-        if !self.humble && priority::latest() == Priority::Refused {
+        if !self.humble
+            && let Some(text) = priority::told()
+        {
             self.humble = true;
-            let text = "the system gives no real-time priority, so gaps are likelier; `pacinian devices` says how to allow it";
             self.note(Happened::new(now, Mood::Told, text));
         }
     }

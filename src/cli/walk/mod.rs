@@ -134,6 +134,7 @@ impl Walk {
             None => round.pass(),
         };
         round.session.stop();
+        crate::cli::priority::told().iter().for_each(|told| terminal.note(&format!("{told}\n")));
         if let End::Stopped(code) = ended? {
             return Err(Failure::told(code));
         }

@@ -11,7 +11,7 @@ use super::callers::Callers;
 use super::card::{News, STRETCH, Shape, behind, known_format, seconds};
 use super::failure::{DeviceError, Trouble};
 use super::jack_turn::{self, Stay};
-use super::list::Found;
+use super::list::{self, Found};
 use super::minder::teller;
 use super::priority;
 use crate::live::board::Board;
@@ -85,8 +85,8 @@ impl Capture {
     ) -> Result<Self, DeviceError> {
         let (turn, stay) = jack_turn::stream(found)?.unzip();
         let trouble = |error: &cpal::Error| DeviceError::of(&found.name, error);
-        let ranges = device.supported_input_configs().map_err(|error| trouble(&error))?;
-        let (format, blocks) = known_format(ranges, shape).map_err(|error| trouble(&error))?;
+        let ranges = list::inputs(device).map_err(|error| trouble(&error))?;
+        let (format, blocks) = known_format(ranges.into_iter(), shape).map_err(|error| trouble(&error))?;
         let buffer_size = shape.within(blocks).block.map_or(BufferSize::Default, BufferSize::Fixed);
         let config = StreamConfig { channels: shape.channels as u16, sample_rate: shape.rate, buffer_size };
         let gaps = Arc::clone(board);

@@ -14,7 +14,7 @@ use cpal::{
 use super::callers::Callers;
 use super::failure::{DeviceError, Trouble};
 use super::jack_turn::{self, Stay};
-use super::list::{Found, Offer};
+use super::list::{self, Found, Offer};
 use super::minder::teller;
 use super::priority;
 use super::rates::Rates;
@@ -124,8 +124,7 @@ impl Card {
         fit(found, shape)?;
         let (turn, stay) = jack_turn::stream(found)?.unzip();
         let trouble = |error: &cpal::Error| DeviceError::of(&found.name, error);
-        let ranges = device.supported_output_configs().map_err(|error| trouble(&error))?;
-        let ranges: Vec<SupportedStreamConfigRange> = ranges.collect();
+        let ranges = list::outputs(device).map_err(|error| trouble(&error))?;
         let mut rates = Rates::default();
         // Of so many channels it may have other rates than on the whole.
         let own = ranges.iter().filter(|range| usize::from(range.channels()) == shape.channels);

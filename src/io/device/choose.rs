@@ -54,7 +54,7 @@ impl Chosen {
         if let Some(sink) = found.pulse() {
             return super::pulse::map::told(sink, channels);
         }
-        let id = MIXERS.iter().find(|id| **id == found.id)?;
+        let id = ALIASES.iter().find(|id| **id == found.id)?;
         let exact = "`pacinian walk` shows what arrives where; a card by its own name (hw:...), JACK and PipeWire are exact";
         let serves = |server: &Server| server.runs && server.name != "JACK";
         if channels <= NAMED && !Server::all().iter().any(serves) {
@@ -117,8 +117,7 @@ impl Chosen {
 /// Names of ALSA's for the card, or the device of a server, that is the default.
 const ALIASES: [&str; 4] = ["alsa:default", "alsa:sysdefault", "alsa:pulse", "alsa:pipewire"];
 
-/// Devices of ALSA's behind which PulseAudio may be, and channels that have a name there.
-const MIXERS: [&str; 3] = ["alsa:pulse", "alsa:default", "alsa:sysdefault"];
+/// Channels that have a name behind those, where a server may be.
 const NAMED: usize = 8;
 
 /// Frames of a block where nobody says otherwise: a system's own choice may be a second long.

@@ -87,8 +87,7 @@ impl Found {
 }
 
 impl Offer {
-    fn of(ranges: impl Iterator<Item = SupportedStreamConfigRange>) -> Option<Self> {
-        let ranges: Vec<_> = ranges.collect();
+    fn of(ranges: Vec<SupportedStreamConfigRange>) -> Option<Self> {
         let mut offer: Option<Self> = None;
         for range in &ranges {
             let (channels, format) = (range.channels(), range.sample_format().to_string());
@@ -134,6 +133,43 @@ pub(super) fn is_none(id: &str) -> bool {
     id == "alsa:null"
 }
 
+/// What a device offers to be played on.
+pub(super) fn outputs(device: &Device) -> Result<Vec<SupportedStreamConfigRange>, cpal::Error> {
+    let ranges = device.supported_output_configs()?.collect();
+    Ok(as_it_is(device, |own| own.default_output_config(), ranges))
+}
+
+/// What it offers to be heard.
+pub(super) fn inputs(device: &Device) -> Result<Vec<SupportedStreamConfigRange>, cpal::Error> {
+    let ranges = device.supported_input_configs()?.collect();
+    Ok(as_it_is(device, |own| own.default_input_config(), ranges))
+}
+
+/// Of a default of PipeWire's, of which cpal does not know what it is now, with the channels that it has.
+#[cfg(all(feature = "pipewire", target_os = "linux"))]
+fn as_it_is(
+    device: &Device,
+    usual: impl Fn(&Device) -> Result<cpal::SupportedStreamConfig, cpal::Error>,
+    ranges: Vec<SupportedStreamConfigRange>,
+) -> Vec<SupportedStreamConfigRange> {
+    let own = super::pipewire_default::device(&id(device));
+    let Some(channels) = own.and_then(|own| Some(usual(&own).ok()?.channels())) else { return ranges };
+    let with = |range: SupportedStreamConfigRange| {
+        let (least, most) = (range.min_sample_rate(), range.max_sample_rate());
+        SupportedStreamConfigRange::new(channels, least, most, *range.buffer_size(), range.sample_format())
+    };
+    ranges.into_iter().map(with).collect()
+}
+
+#[cfg(not(all(feature = "pipewire", target_os = "linux")))]
+fn as_it_is(
+    _: &Device,
+    _: impl Fn(&Device) -> Result<cpal::SupportedStreamConfig, cpal::Error>,
+    ranges: Vec<SupportedStreamConfigRange>,
+) -> Vec<SupportedStreamConfigRange> {
+    ranges
+}
+
 /// Looks at a device of `hosts`; `default` is the id of theirs that is played on where nobody says anything.
 pub(super) fn look(device: Device, default: Option<&str>, hosts: &Hosts) -> (Device, Found) {
     let id = id(&device);
@@ -156,8 +192,8 @@ pub(super) fn look(device: Device, default: Option<&str>, hosts: &Hosts) -> (Dev
             Trouble::Missing => {}
         }
     };
-    let mut output = device.supported_output_configs().map_err(&mut refused).ok().and_then(Offer::of);
-    let mut input = device.supported_input_configs().map_err(&mut refused).ok().and_then(Offer::of);
+    let mut output = outputs(&device).map_err(&mut refused).ok().and_then(Offer::of);
+    let mut input = inputs(&device).map_err(&mut refused).ok().and_then(Offer::of);
     // PulseAudio takes any number of channels, and mixes those that are not the device's own into others, or into nothing.
     if pulse(&id).is_some() {
         let own =
@@ -306,7 +342,7 @@ mod tests {
             SupportedStreamConfigRange::new(channels, 8_000, 96_000, blocks, format)
         };
         let blocks =
-            |ranges: &[SupportedStreamConfigRange]| Offer::of(ranges.iter().copied()).and_then(|o| o.blocks);
+            |ranges: &[SupportedStreamConfigRange]| Offer::of(ranges.to_vec()).and_then(|o| o.blocks);
         let card = [
             range(1, SampleFormat::I16, 8192),
             range(2, SampleFormat::I16, 4096),
@@ -318,7 +354,7 @@ mod tests {
         // Of a format that is none of ours, nothing else is known.
         assert_eq!(blocks(&[range(1, SampleFormat::U8, 100)]), Some((8, 100)));
         assert_eq!(blocks(&[range(1, SampleFormat::F32, 0), range(1, SampleFormat::I16, 100)]), None);
-        let offer = Offer::of(card.into_iter()).unwrap();
+        let offer = Offer::of(card.to_vec()).unwrap();
         assert_eq!((offer.channels, offer.formats), (vec![1, 2], vec!["i16".to_string(), "f32".into()]));
         // And of those channels, where it is opened.
         let shape = |channels, block| crate::io::device::card::Shape {

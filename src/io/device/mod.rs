@@ -18,6 +18,8 @@ pub mod listening;
 mod minder;
 pub mod missing;
 mod pcm;
+#[cfg(all(feature = "pipewire", target_os = "linux"))]
+mod pipewire_default;
 pub mod priority;
 #[cfg(all(feature = "pulseaudio", target_os = "linux"))]
 mod pulse;

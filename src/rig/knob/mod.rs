@@ -252,10 +252,20 @@ pub(super) fn read(reader: &Reader) -> Knob {
     knob
 }
 
+/// The key of what the model calls so; where it has none, the same.
+fn key_of(field: &str) -> String {
+    match field {
+        "stop low" => "low".into(),
+        "stop high" => "high".into(),
+        other => other.replace(' ', "_"),
+    }
+}
+
 /// What figures say of each other.
 fn contradictions(knob: &Knob, reader: &Reader) {
     let wrong = |key: &str, what: String, help: &str| {
-        let span = if reader.has(key) { reader.span_of(key) } else { reader.span.clone() };
+        let stands = reader.describes(key) && reader.has(key);
+        let span = if stands { reader.span_of(key) } else { reader.span.clone() };
         reader.sink.push(Problem::error(&span, format!("{}: {what}", reader.who)).help(help.to_string()));
     };
     if knob.continuous > knob.peak {
@@ -342,12 +352,16 @@ fn contradictions(knob: &Knob, reader: &Reader) {
         let span = if reader.has("rate") { reader.span_of("rate") } else { reader.span.clone() };
         reader.sink.push(Problem::warning(&span, what).help("give a higher `rate`".to_string()));
     }
-    // Which friction holds it was told above.
-    let told = |field: &str| field == "stiction" && knob.friction.is_some_and(|f| knob.stiction < f);
+    // Which friction holds it, and where its stops are, was told above.
+    let told = |field: &str| match field {
+        "stiction" => knob.friction.is_some_and(|f| knob.stiction < f),
+        "stop high" => knob.stops.is_some_and(|stops| stops.low >= stops.high),
+        _ => false,
+    };
     if let Err(fault) = made::build(knob).check()
         && !told(fault.field)
     {
-        wrong(fault.field, fault.to_string(), "it cannot be simulated so");
+        wrong(&key_of(fault.field), fault.to_string(), "it cannot be simulated so");
     }
 }
 
