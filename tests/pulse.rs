@@ -331,7 +331,7 @@ fn a_stream_that_somebody_leads_elsewhere_goes_back() {
     std::thread::sleep(Duration::from_millis(3000));
     assert!(hums(&rig.heard(recorder, "again.raw"), CHANNELS), "{}", playing.text());
     playing.interrupt();
-    clock_went_on(&rig.folder.join("s.jsonl"));
+    clock_went_on(&rig.folder.join("s.jsonl"), 10);
 }
 
 /// What is listened to comes from one source, and from no other to which somebody leads the stream.
@@ -374,5 +374,5 @@ fn a_server_that_is_killed_and_comes_back_is_played_on_again() {
     let again = rig.heard(recorder, "again.raw");
     assert!(hums(&again, CHANNELS), "{}", playing.text());
     playing.interrupt();
-    clock_went_on(&rig.folder.join("s.jsonl"));
+    clock_went_on(&rig.folder.join("s.jsonl"), 10);
 }

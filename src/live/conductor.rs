@@ -220,7 +220,8 @@ impl Conductor {
         {
             let (id, way) = (stamped.id, Way::of(&stamped.signal, &stamped.origin));
             self.take(stamped);
-            taken[way as usize] = id;
+            // A brake has its number before it is sent.
+            taken[way as usize] = taken[way as usize].max(id);
         }
         self.show_values(taken);
         if self.inbox.is_over() {

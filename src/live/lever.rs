@@ -17,8 +17,9 @@ pub struct Lever {
     close: Arc<AtomicBool>,
     /// How often a latch was taken back.
     releases: AtomicU32,
-    /// The bits of a gain; 0 while nobody has said one, since no gain below 0 is wanted.
-    gain: AtomicU32,
+    /// The bits of a gain, and below them the number of the signal that asked for it, as far as 32 bits go; 0 while nobody has said one,
+    /// since no gain below 0 is wanted.
+    gain: AtomicU64,
     asked: Asked,
 }
 
@@ -27,7 +28,6 @@ pub struct Lever {
 struct Asked {
     brake: AtomicU64,
     release: AtomicU64,
-    gain: AtomicU64,
     close: AtomicU64,
 }
 
@@ -101,9 +101,9 @@ impl Lever {
 
     /// The gain of the open gate, 0 to 1; what is no number is 0.
     pub fn gain(&self, gain: f32, cause: u64) {
-        self.asked.gain.store(cause, Ordering::Release);
         let gain = if gain > 0.0 { gain.min(1.0) } else { 0.0 };
-        self.gain.store(gain.to_bits() | SAID, Ordering::Release);
+        let said = u64::from(gain.to_bits() | SAID) << 32;
+        self.gain.store(said | (cause & u64::from(u32::MAX)), Ordering::Release);
     }
 
     /// What is wanted that the gate was not told of yet, and which signal asked for it.
@@ -113,7 +113,8 @@ impl Lever {
         let panic = self.is_panicked();
         let latch = (panic && !obeyed.panic).then_some(Order::Latch);
         let open = (self.open.load(Ordering::Acquire) && !obeyed.open).then_some(Order::Open);
-        let gain = self.gain.load(Ordering::Acquire);
+        let said = self.gain.load(Ordering::Acquire);
+        let (gain, levelled) = ((said >> 32) as u32, said & u64::from(u32::MAX));
         let level = (gain != obeyed.gain).then_some(Order::Gain(f32::from_bits(gain & !SAID)));
         // A brake pulled in the meantime is stronger, and one that was taken back before anybody looked is none.
         let release = (releases != obeyed.releases && !panic && obeyed.panic).then_some(Order::Release);
@@ -126,8 +127,8 @@ impl Lever {
             gain,
         };
         let by = |cause: &AtomicU64| cause.load(Ordering::Acquire);
-        let Asked { brake, release: released, gain: levelled, close: closed } = &self.asked;
-        let causes = [by(brake), 0, by(levelled), by(released), by(closed)];
+        let Asked { brake, release: released, close: closed } = &self.asked;
+        let causes = [by(brake), 0, levelled, by(released), by(closed)];
         let orders = [latch, open, level, release, close].into_iter().zip(causes);
         orders.filter_map(|(order, cause)| Some((order?, cause)))
     }

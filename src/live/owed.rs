@@ -7,7 +7,7 @@
 use std::sync::atomic::{AtomicU8, AtomicU16, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Mutex, TryLockError};
 
-use super::signal::Signal;
+use super::signal::{Signal, Stamped};
 use super::stamp::Stamp;
 use super::way::Way;
 use crate::midi::sounding::MOST;
@@ -55,6 +55,8 @@ pub(super) struct Owed {
     numbers: Box<[AtomicU64]>,
     names: Box<[Mutex<Option<String>>]>,
     flags: AtomicU32,
+    /// The numbers of the signals by which the brake was pulled, and by which the session ends; 0 for none.
+    shut: [AtomicU64; 2],
 }
 
 /// What a port of MIDI owes.
@@ -93,6 +95,7 @@ impl Owed {
             numbers: (0..numbers).map(|_| AtomicU64::new(0)).collect(),
             names: (0..names).map(|_| Mutex::new(None)).collect(),
             flags: AtomicU32::new(0),
+            shut: Default::default(),
         }
     }
 
@@ -123,6 +126,27 @@ impl Owed {
             self.noted.fetch_add(1, Ordering::AcqRel);
         }
         noted
+    }
+
+    /// Keeps the number of a signal that shuts the gate and is to be noted: the gate may be shut by that number already. Of several of a kind, the
+    /// first.
+    pub fn keep_number(&self, stamped: &Stamped) {
+        if let Some(shut) = self.shut(&stamped.signal) {
+            let _ = shut.compare_exchange(0, stamped.id, Ordering::AcqRel, Ordering::Acquire);
+        }
+    }
+
+    /// Under which number such a signal was noted, if it was.
+    pub fn take_number(&self, signal: &Signal) -> Option<u64> {
+        Some(self.shut(signal)?.swap(0, Ordering::AcqRel)).filter(|number| *number > 0)
+    }
+
+    fn shut(&self, signal: &Signal) -> Option<&AtomicU64> {
+        match signal {
+            Signal::Panic => self.shut.first(),
+            Signal::End => self.shut.last(),
+            _ => None,
+        }
     }
 
     /// Those of ports that nobody tells apart are one.

@@ -108,6 +108,7 @@ impl Inlet {
                 Err(TrySendError::Disconnected(_)) => return Err(Refused::Ended),
             }
         };
+        unsent.iter().for_each(|unsent| owed.keep_number(unsent));
         // What is meant for later would keep all that is owed waiting.
         if unsent.is_some_and(|unsent| !owed.note(unsent.stamp.min(now), &unsent.signal)) {
             return Err(Refused::Busy);
@@ -184,7 +185,8 @@ impl Lane {
             Err(error) => {
                 let (way, mut debts) = (self.way, VecDeque::new());
                 let taken = owed.take(&mut |stamp, signal| {
-                    let id = ids.fetch_add(1, Ordering::Relaxed) + 1;
+                    let id =
+                        owed.take_number(&signal).unwrap_or_else(|| ids.fetch_add(1, Ordering::Relaxed) + 1);
                     let origin = Origin::unnamed(way);
                     // What is owed takes back no brake.
                     debts.push_back(Stamped {

@@ -152,6 +152,9 @@ fn as_it_is(
     usual: impl Fn(&Device) -> Result<cpal::SupportedStreamConfig, cpal::Error>,
     ranges: Vec<SupportedStreamConfigRange>,
 ) -> Vec<SupportedStreamConfigRange> {
+    if ranges.is_empty() {
+        return ranges;
+    }
     let own = super::pipewire_default::device(&id(device));
     let Some(channels) = own.and_then(|own| Some(usual(&own).ok()?.channels())) else { return ranges };
     let with = |range: SupportedStreamConfigRange| {

@@ -42,7 +42,7 @@ fn node(key: &'static str) -> Option<String> {
     let core = context.connect_rc(None).ok()?;
     let registry = core.get_registry_rc().ok()?;
     let found = Rc::new(RefCell::new(None));
-    let bound: Rc<RefCell<Option<(Metadata, MetadataListener)>>> = Rc::default();
+    let bound: Rc<RefCell<Option<(MetadataListener, Metadata)>>> = Rc::default();
     let (binds, finds, binder) = (Rc::clone(&bound), Rc::clone(&found), registry.clone());
     let _listens = registry
         .add_listener_local()
@@ -60,7 +60,8 @@ fn node(key: &'static str) -> Option<String> {
                 0
             });
             let listener = listener.register();
-            binds.borrow_mut().replace((metadata, listener));
+            // In the order in which they are dropped.
+            binds.borrow_mut().replace((listener, metadata));
         })
         .register();
     // First the server tells what there is, then what is in it.
@@ -82,7 +83,7 @@ fn node(key: &'static str) -> Option<String> {
     let timer = turns.loop_().add_timer(move |_| ends.quit());
     timer.update_timer(Some(PATIENCE), None).into_result().ok()?;
     turns.run();
-    // What listens goes before what it listens to.
+    // Before the core that it is from.
     drop(bound.borrow_mut().take());
     found.take()
 }

@@ -188,3 +188,36 @@ fn who_sends_to_a_session_that_has_ended_is_told() {
     drop(inbox);
     assert_eq!(send(&inlet, Stamp(0), Origin::Program, Signal::Panic), Err(Refused::Ended));
 }
+
+/// The gate is shut by the number of a panic before anybody takes it from its queue, so one that finds no room there keeps that number.
+#[test]
+fn a_panic_or_an_end_that_finds_no_room_keeps_its_number() {
+    let (inlet, mut inbox) = queues();
+    while send(&inlet, Stamp(5), Origin::Program, Signal::Set("a".into(), 1.0)).is_ok() {}
+    let first = send(&inlet, Stamp(6), Origin::Program, Signal::Panic).unwrap();
+    assert!(send(&inlet, Stamp(7), Origin::Program, Signal::Panic).unwrap() > first);
+    let panics = |inbox: &mut Inbox| -> Vec<u64> {
+        let mut ids = Vec::new();
+        for _ in 0..Way::Program.capacity().div_ceil(SHARE) + 2 {
+            inbox.begin();
+            let is = |stamped: &Stamped| matches!(stamped.signal, Signal::Panic);
+            ids.extend(std::iter::from_fn(|| inbox.next()).filter(is).map(|stamped| stamped.id));
+        }
+        ids
+    };
+    assert_eq!(panics(&mut inbox), [first]);
+    // Where there is room again, each has its own.
+    let next = send(&inlet, Stamp(8), Origin::Program, Signal::Panic).unwrap();
+    assert_eq!(panics(&mut inbox), [next]);
+    while send(&inlet, Stamp(9), Origin::Program, Signal::Set("a".into(), 1.0)).is_ok() {}
+    let last = send(&inlet, Stamp(9), Origin::Program, Signal::Panic).unwrap();
+    let end = send(&inlet, Stamp(9), Origin::Program, Signal::End).unwrap();
+    let all: Vec<u64> = (0..Way::Program.capacity().div_ceil(SHARE) + 2)
+        .flat_map(|_| {
+            inbox.begin();
+            let shuts = |stamped: &Stamped| matches!(stamped.signal, Signal::Panic | Signal::End);
+            std::iter::from_fn(|| inbox.next()).filter(shuts).map(|stamped| stamped.id).collect::<Vec<_>>()
+        })
+        .collect();
+    assert_eq!(all, [last, end]);
+}

@@ -3,7 +3,8 @@ use std::sync::Arc;
 use super::{Bench, compiled_with, reload, reload_with};
 use crate::engine::event::Event;
 use crate::live::callback::Deed;
-use crate::live::signal::Signal;
+use crate::live::signal::{Origin, Signal};
+use crate::live::stamp::Stamp;
 use crate::live::way::Way;
 use crate::midi::{Channel, Message};
 
@@ -29,6 +30,12 @@ fn where_a_control_stands_is_shown_whoever_moved_it() {
     // What is asked of a session that has not come to one's own signal yet is not known.
     assert_eq!(board.values.since("depth", Way::Osc, 3), Some(1.5));
     assert_eq!(board.values.since("depth", Way::Osc, 4), None);
+    // A brake is pulled with a number before what moves the control is sent, and is sent behind it.
+    let brake = bench.handle.brake();
+    bench.handle.send(Signal::Osc("/1/fader1".into(), vec![0.5])).unwrap();
+    bench.handle.from(Origin::Osc("/panic".into(), "".into())).send_panic(Stamp(0), brake).unwrap();
+    bench.conductor.listen();
+    assert_eq!((brake, board.values.since("depth", Way::Osc, 5)), (4, Some(1.0)));
     // Another patch has others.
     bench.handle.send(Signal::Reload(reload(&["a"]))).unwrap();
     bench.conductor.listen();
