@@ -249,7 +249,7 @@ fn a_sink_and_a_server_that_go_are_waited_for() {
     let heard = rig.heard(recorder, "heard.wav");
     playing.interrupt();
     assert!(hums(&heard, CHANNELS), "it sounds again");
-    clock_went_on(&rig.folder.join("s.jsonl"), 2);
+    clock_went_on(&rig.folder.join("s.jsonl"), 1);
 }
 
 /// Nobody has named a sink, and the one that it plays on goes. The server is asked not to move the stream to the other one, which hears
