@@ -146,6 +146,28 @@ impl Rig {
         command
     }
 
+    /// The scene as it is without a device.
+    fn render(&self) -> Vec<f32> {
+        let render = ["render", "patch.toml", "--rig", "rig.toml", "-o", "offline.wav", "--duration", "1.2"];
+        assert!(self.program(&render).output().unwrap().status.success());
+        floats(&self.folder.join("offline.wav"))
+    }
+
+    /// The scene is played on a device, or the default, and a sink hears `own` of it to the bit.
+    fn arrives(&self, own: &[f32], (sink, channels): (&str, u32), device: &[&str]) {
+        heard_to_the_bit(own, channels, || {
+            let recorder = self.record(sink, channels, "heard.wav");
+            let play = ["play", "patch.toml", "--rig", "rig.toml", "--block", "1024", "--duration", "2"];
+            let played = self.program(&play).args(device).output().unwrap();
+            let said = String::from_utf8_lossy(&played.stdout).into_owned()
+                + &String::from_utf8_lossy(&played.stderr);
+            std::thread::sleep(Duration::from_millis(300));
+            let heard = self.heard(recorder, "heard.wav");
+            assert!(played.status.success(), "{said}");
+            (heard, said)
+        });
+    }
+
     /// A sink's inputs, recorded by a second program until it is told to stop; it listens when this returns.
     fn record(&self, sink: &str, channels: u32, file: &str) -> Child {
         let map: Vec<String> = (0..channels).map(|n| format!("AUX{n}")).collect();
@@ -177,20 +199,8 @@ impl Drop for Rig {
 fn a_second_program_hears_every_channel_to_the_bit() {
     let Some(rig) = Rig::new("bits") else { return };
     scene(&rig.folder, CHANNELS);
-    let render = ["render", "patch.toml", "--rig", "rig.toml", "-o", "offline.wav", "--duration", "1.2"];
-    assert!(rig.program(&render).output().unwrap().status.success());
-    let offline = floats(&rig.folder.join("offline.wav"));
-    heard_to_the_bit(&offline, CHANNELS, || {
-        let recorder = rig.record("glove", CHANNELS, "heard.wav");
-        let play = ["play", "patch.toml", "--rig", "rig.toml", "--device", DEVICE];
-        let played = rig.program(&play).args(["--block", "1024", "--duration", "2"]).output().unwrap();
-        let said =
-            String::from_utf8_lossy(&played.stdout).into_owned() + &String::from_utf8_lossy(&played.stderr);
-        std::thread::sleep(Duration::from_millis(300));
-        let heard = rig.heard(recorder, "heard.wav");
-        assert!(played.status.success(), "{said}");
-        (heard, said)
-    });
+    let offline = rig.render();
+    rig.arrives(&offline, ("glove", CHANNELS), &["--device", DEVICE]);
 }
 
 /// Nobody has named a sink: as many channels are taken as the one has that the server plays on by default, and those arrive as on any other.
@@ -205,19 +215,8 @@ fn the_default_sink_has_the_channels_that_it_has() {
         assert!(refused.status.code() == Some(69) && said.contains("it offers 24"), "{device:?}: {said}");
     }
     scene(&rig.folder, CHANNELS);
-    let render = ["render", "patch.toml", "--rig", "rig.toml", "-o", "offline.wav", "--duration", "1.2"];
-    assert!(rig.program(&render).output().unwrap().status.success());
-    let offline = floats(&rig.folder.join("offline.wav"));
-    heard_to_the_bit(&offline, CHANNELS, || {
-        let recorder = rig.record("glove", CHANNELS, "heard.wav");
-        let played = rig.program(&play).args(["--duration", "2"]).output().unwrap();
-        let said =
-            String::from_utf8_lossy(&played.stdout).into_owned() + &String::from_utf8_lossy(&played.stderr);
-        std::thread::sleep(Duration::from_millis(300));
-        let heard = rig.heard(recorder, "heard.wav");
-        assert!(played.status.success(), "{said}");
-        (heard, said)
-    });
+    let offline = rig.render();
+    rig.arrives(&offline, ("glove", CHANNELS), &["--arm"]);
 }
 
 /// The sink is destroyed and made again, and then the server is killed and started again: the same device is waited for, and no other played on.
@@ -290,21 +289,9 @@ fn cards_that_are_joined_play_each_its_own() {
     }
     ["one", "two"].into_iter().for_each(|card| rig.make(card, 8));
     scene(&rig.folder, 16);
-    let render = ["render", "patch.toml", "--rig", "rig.toml", "-o", "offline.wav", "--duration", "1.2"];
-    assert!(rig.program(&render).output().unwrap().status.success());
-    let offline = floats(&rig.folder.join("offline.wav"));
+    let offline = rig.render();
     for (card, first) in [("one", 0), ("two", 8)] {
         let own: Vec<f32> = offline.chunks(16).flat_map(|frame| frame[first..first + 8].to_vec()).collect();
-        heard_to_the_bit(&own, 8, || {
-            let recorder = rig.record(card, 8, "heard.wav");
-            let play = ["play", "patch.toml", "--rig", "rig.toml", "--device", "pipewire:joined"];
-            let played = rig.program(&play).args(["--block", "1024", "--duration", "2"]).output().unwrap();
-            let said = String::from_utf8_lossy(&played.stdout).into_owned()
-                + &String::from_utf8_lossy(&played.stderr);
-            std::thread::sleep(Duration::from_millis(300));
-            let heard = rig.heard(recorder, "heard.wav");
-            assert!(played.status.success(), "{said}");
-            (heard, said)
-        });
+        rig.arrives(&own, (card, 8), &["--device", "pipewire:joined"]);
     }
 }

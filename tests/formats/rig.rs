@@ -209,6 +209,9 @@ fn a_knob_is_read_and_contradictions_are_told_with_their_keys() {
         let what = knob_told(keys);
         assert!(what.contains(told), "{keys}: {what}");
     }
+    // Once, and by the keys of the file: the model of a knob has names of its own.
+    let stops = knob_told("inertia = 1e-6\npeak_torque = 0.1\nlow = 1\nhigh = -1");
+    assert!(stops.matches("error").count() == 1 && !stops.contains("stop high"), "{stops}");
     let capacitors = format!(
         "{}\ncoupling = {{ high_pass = 5 }}\n[[output]]\nname = \"a\"\nchannel = 1\nkind = \"torque\"\n",
         HEAD.trim_end()
