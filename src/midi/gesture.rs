@@ -77,6 +77,11 @@ pub enum Gesture {
         /// Quarter notes from its beginning.
         beats: f64,
     },
+    /// Hands are off the wheel, and nothing is pressed: a reset says so, a zone that is made anew, or that the port is gone.
+    Rest {
+        /// On this channel.
+        channel: Channel,
+    },
     /// All that was started through a channel falls silent, now, what dies away already as well. Its notes are gone, those that a pedal
     /// held, too; no [`Gesture::NoteOff`] follows for them.
     Panic {

@@ -14,7 +14,8 @@ use super::zone::{Channels, Zone};
 const RELEASE: f64 = 64.0 / 127.0;
 
 const ALL_SOUND_OFF: u8 = 120;
-const RESET_CONTROLLERS: u8 = 121;
+/// Reset All Controllers.
+pub(crate) const RESET_CONTROLLERS: u8 = 121;
 const LOCAL: u8 = 122;
 
 const RANGE: u16 = 0;
@@ -125,6 +126,7 @@ impl Interpreter {
             Message::Stop => sink(Gesture::Transport { what: Transport::Stop }),
             Message::Reset => {
                 self.desk.reset();
+                at_rest(Channels::ALL, sink);
                 self.panic(Reason::Reset, sink);
             }
         }
@@ -141,6 +143,7 @@ impl Interpreter {
     pub fn let_go(&mut self, sink: Sink<'_>) {
         self.desk.rest();
         self.end(Channels::ALL, sink);
+        at_rest(Channels::ALL, sink);
     }
 
     /// Makes a zone of MPE with so many members, at most 15, as RPN 6 does; 0 ends it. For controllers that do not say it themselves.
@@ -148,6 +151,12 @@ impl Interpreter {
     pub fn set_zone(&mut self, zone: Zone, members: u8, sink: Sink<'_>) {
         let channels = self.desk.set_zone(zone, members);
         self.end(channels, sink);
+        at_rest(channels, sink);
+    }
+
+    /// Whose hand is on a channel: of one in a zone of MPE, its manager; else its own.
+    pub fn hand(&self, channel: Channel) -> Channel {
+        self.desk.zones.of_member(channel).map_or(channel, Zone::manager)
     }
 
     /// How many notes sound, those that pedals hold among them.
@@ -267,6 +276,7 @@ impl Interpreter {
                 for note in self.sounding.iter_mut().filter(|n| scope.has(n.channel)) {
                     (note.poly_pressure, note.caught) = (0, false);
                 }
+                at_rest(scope, sink);
                 self.let_up(scope, sink);
                 self.refresh(scope, sink);
             }
@@ -331,6 +341,10 @@ fn seven(value: u8) -> f64 {
 
 fn controller(channel: Channel, Moved { number, value, fine }: Moved) -> Gesture {
     Gesture::Controller { channel, number, value, fine }
+}
+
+fn at_rest(channels: Channels, sink: Sink<'_>) {
+    channels.iter().for_each(|channel| sink(Gesture::Rest { channel }));
 }
 
 fn off(note: &Note) -> Gesture {

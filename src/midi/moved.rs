@@ -1,9 +1,10 @@
 //! Which controller somebody moves, so that it can be bound to something: told from those that are noisy, that spring back, or that
 //! come along with keys.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::channel::Channel;
+use super::claims::Claims;
 use super::encoder::{Encoder, Said, Turns};
 use super::gesture::Gesture;
 use super::interpreter::Interpreter;
@@ -18,6 +19,9 @@ const PRESSED: f64 = 0.3;
 const REST: f64 = 0.7;
 /// A wheel that is closer to its middle is at rest.
 const MIDDLE: f64 = 0.05;
+/// The halves of a controller of 14 bits come this close to each other while it is moved, seconds; of a fader that is moved as little as this, the
+/// upper one need not come.
+const PAIR: f64 = 1.0;
 /// A controller that says the same so often is no position.
 const SAME: u32 = 8;
 
@@ -81,6 +85,9 @@ pub type Source = (u16, Channel, Control);
 #[derive(Debug, Default)]
 pub struct Recogniser {
     ports: HashMap<u16, Interpreter>,
+    /// When the upper half of what may be of 14 bits came last, and the controllers that are taken for others than lower halves, since none did.
+    upper: HashMap<(u16, Channel, u8), f64>,
+    alone: HashMap<u16, HashSet<(Channel, u8)>>,
     travels: HashMap<Source, Travel>,
     /// Keys that are down.
     keys: HashMap<(u16, Channel), u32>,
@@ -99,6 +106,7 @@ impl Recogniser {
     /// A message that came through a port at so many seconds.
     pub fn message(&mut self, seconds: f64, port: u16, message: Message) -> Option<Seen> {
         let mut gestures = Vec::new();
+        self.tell_pairs(seconds, port, message);
         self.ports.entry(port).or_default().message(message, &mut |gesture| gestures.push(gesture));
         match message {
             Message::NoteOn { channel, velocity: 1.., .. } => {
@@ -136,6 +144,27 @@ impl Recogniser {
             Gesture::Parameter { .. } => Some(Seen::Useless(Useless::Parameter)),
             _ => None,
         })
+    }
+
+    /// A controller from 32 to 63 is a lower half only behind its upper one: there are boxes that have knobs of both numbers.
+    fn tell_pairs(&mut self, seconds: f64, port: u16, message: Message) {
+        let Message::Controller { channel, number, .. } = message else { return };
+        if number < 32 {
+            self.upper.insert((port, channel, number), seconds);
+        }
+        if !(32..64).contains(&number) {
+            return;
+        }
+        let upper = self.upper.get(&(port, channel, number - 32));
+        let is_pair = upper.is_some_and(|upper| seconds - upper <= PAIR);
+        let alone = self.alone.entry(port).or_default();
+        let changes =
+            if is_pair { alone.remove(&(channel, number)) } else { alone.insert((channel, number)) };
+        if changes {
+            let mut claims = Claims::default();
+            alone.iter().for_each(|(channel, number)| claims.add(*number, Some(*channel)));
+            self.ports.entry(port).or_default().claim(&claims);
+        }
     }
 
     /// What was heard of and was not enough to be recognised.
@@ -313,6 +342,28 @@ mod tests {
             bench.play((0..50).map(|n| controller(49, n))),
             [moved(Control::Controller(49), false, false)]
         );
+    }
+
+    /// Two knobs of one box, as its maker has numbered them.
+    #[test]
+    fn a_knob_32_above_another_is_no_half_of_it() {
+        let mut bench = Bench::default();
+        let turned = |number: u8| (0..100).map(move |n| controller(number, n));
+        assert_eq!(bench.play(turned(17)), [moved(Control::Controller(17), false, false)]);
+        bench.1 += 3.0;
+        assert_eq!(bench.play(turned(49)), [moved(Control::Controller(49), false, false)]);
+        bench.1 += 3.0;
+        assert_eq!(bench.play(turned(17).rev()), [moved(Control::Controller(17), false, false)]);
+        // One of 14 bits that tells its upper half only when it changes is one all the same, also where it was moved before.
+        let long = (0..500_u16).flat_map(|n| {
+            let lower = controller(52, ((32 * n) & 127) as u8);
+            let upper = (n % 4 == 0).then(|| controller(20, ((32 * n) >> 7) as u8));
+            upper.into_iter().chain([lower])
+        });
+        for _ in 0..2 {
+            bench.1 += 3.0;
+            assert_eq!(bench.play(long.clone()), [moved(Control::Controller(20), true, false)]);
+        }
     }
 
     /// Up, down, and what it says in each of the three ways.

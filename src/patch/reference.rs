@@ -363,7 +363,7 @@ pub const TOPICS: &[Topic] = &[
                silences what its channel has started, voices that die away and patterns included, and a reset what its port has started: to exact zeros within 5 ms where \
                nothing else sounds, and else to less than a hundredth of what it was within 5 ms up to 200 Hz, 10 at 500 and 30 at 800, as the band limit \
                rings near its edge. Voices that are always on, what plays from the beginning and what other ports, keys or programs have \
-               started go on. A cable that had promised to stay (active sensing) and says nothing for 0.3 s is more than that: nobody is left who \
+               started go on. A cable that had promised to stay (active sensing) and says nothing for 0.33 s is more than that: nobody is left who \
                could stop what it plays. It shuts the whole output, as the key p does in `pacinian play`, until somebody opens it.\n\n\
                A node is looked at sample by sample, at the engine's rate. Where one sample lies short of the threshold and the next on it or \
                beyond, the instant is where a straight line between the two passes it, and the voice begins 8 samples of the engine after \
@@ -399,7 +399,7 @@ pub const TOPICS: &[Topic] = &[
                A controller that a binding or a trigger names has no other meaning on its channel: 64 and 66 are then no pedals that hold \
                notes, 0 and 32 choose no bank, and 6, 38 and 96 to 101 no numbered parameter. Timbre (74) stays timbre as well. Numbered \
                parameters (NRPN, RPN) move nothing but the bend range and the zones of MPE: their values are counted and told.\n\n\
-               With `pickup` a fader moves its control only from where that stands. Turn it off for a wheel that comes back to its rest. A control that \
+               With `pickup` a fader moves its control only from where that stands. Each port and channel has its own; where a port was away, its faders are picked up anew. What a reset, or a cable that is gone, puts back to rest (wheel, pressure; of a reset controllers 1 and 11 too) goes there with what it moves, if that is in hand. Turn it off for a wheel that comes back to its rest. A control that \
                is a stream has none.\n\n\
                An endless knob may tell steps in place of positions, in one of three ways, which its editor or `pacinian learn` says: \
                twos-complement (1 is a step up, 127 one down), binary-offset (65 and 63) or signed-bit (1 and 65). With `encoder` it moves its \

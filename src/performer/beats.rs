@@ -48,6 +48,8 @@ pub(super) struct Clock {
     /// Whether no clock has come since it does. The sender may have stopped its clocks meanwhile, so until then nobody knows when its
     /// beats are.
     awaited: bool,
+    /// When it was told to, seconds.
+    told: f64,
     /// Clocks since the beginning of the song, up to the one that comes next.
     count: f64,
     /// When that is expected, seconds; `None` before the first.
@@ -95,9 +97,9 @@ impl Clock {
         }
     }
 
-    /// The song plays on from so many beats, with the clock that comes next.
-    pub fn run(&mut self, beats: f64) {
-        (self.running, self.awaited, self.count) = (true, true, beats * CLOCKS);
+    /// The song plays on from so many beats, with the clock that comes next; so it is told at `now` seconds.
+    pub fn run(&mut self, beats: f64, now: f64) {
+        (self.running, self.awaited, self.count, self.told) = (true, true, beats * CLOCKS, now);
     }
 
     /// The song stops. Gives where it stands if it ran.
@@ -105,10 +107,11 @@ impl Clock {
         std::mem::take(&mut self.running).then_some(self.count / CLOCKS)
     }
 
-    /// Whether the song runs, and its clocks still come.
+    /// Whether the song runs, and its clocks still come, or may yet.
     pub fn runs(&self, now: f64) -> bool {
         let overdue = TRUSTED * if self.period > 0.0 { self.period } else { PERIODS[1] };
-        self.running && self.next.is_none_or(|next| now - next <= overdue)
+        let due = if self.awaited { self.told } else { self.next.unwrap_or(self.told) };
+        self.running && now - due <= overdue
     }
 
     /// When a beat falls, and how many there are a second; `usual` where nothing is known of that yet.
@@ -167,6 +170,14 @@ impl Beats {
         }
     }
 
+    /// The same where its clocks still come, or may yet.
+    pub fn runs(&self, seconds: f64) -> Option<f64> {
+        match self {
+            Self::Clock(clock) if !clock.runs(seconds) => None,
+            _ => self.beat(seconds),
+        }
+    }
+
     /// The beat that falls at `seconds`, where the song runs.
     pub fn beat(&self, seconds: f64) -> Option<f64> {
         match self {
@@ -220,7 +231,7 @@ mod tests {
         for (beat, at) in [(0.0, 1.0), (0.5, 1.25)] {
             assert_eq!((beats.at(beat, 2.0), at > 0.0), (None, true));
         }
-        beats.clock().run(0.0);
+        beats.clock().run(0.0, 0.0);
         assert_eq!(beats.at(0.0, 2.0), None, "before the first clock");
         for n in 0..200 {
             beats.clock().tick(1.0 + f64::from(n) * 0.5 / CLOCKS);
@@ -240,14 +251,14 @@ mod tests {
     #[test]
     fn after_a_pause_the_first_clock_says_when() {
         let mut beats = Beats::None;
-        beats.clock().run(0.0);
+        beats.clock().run(0.0, 0.0);
         let clocks = |beats: &mut Beats, from: f64| {
             (0..36).for_each(|n| beats.clock().tick(from + f64::from(n) * 0.5 / CLOCKS));
         };
         clocks(&mut beats, 1.0);
         beats.clock().stop();
         for (from, begin) in [(20.0, 0.0), (40.0, 2.5)] {
-            beats.clock().run(begin);
+            beats.clock().run(begin, 0.0);
             assert_eq!((beats.at(begin, 2.0), beats.beat(from)), (None, Some(begin)));
             beats.clock().tick(from);
             let (at, speed) = beats.at(begin + 0.5, 2.0).unwrap();
@@ -260,7 +271,7 @@ mod tests {
     fn a_new_tempo_is_followed_within_two_seconds() {
         for (before, after) in [(120.0, 90.0), (90.0, 180.0), (60.0, 200.0), (200.0, 60.0)] {
             let (mut beats, mut now, mut n) = (Beats::None, 0.0, 0.0);
-            beats.clock().run(0.0);
+            beats.clock().run(0.0, 0.0);
             while now < 6.0 {
                 beats.clock().tick(now);
                 if now > 5.0 {
@@ -306,7 +317,7 @@ mod tests {
         }
         for (what, bpm, clocks) in cases {
             let mut beats = Beats::None;
-            beats.clock().run(0.0);
+            beats.clock().run(0.0, 0.0);
             clocks.iter().for_each(|at| beats.clock().tick(*at));
             let (_, speed) = beats.at(clocks.len() as f64 / CLOCKS, 2.0).unwrap();
             assert!((60.0 * speed / bpm - 1.0).abs() < 0.1, "{what}: {} a minute", 60.0 * speed);
@@ -321,7 +332,7 @@ mod tests {
             bpm in 60.0_f64..180.0,
         ) {
             let mut beats = Beats::None;
-            beats.clock().run(0.0);
+            beats.clock().run(0.0, 0.0);
             let (mut worst, mut energy, mut count) = (0.0_f64, 0.0, 0.0);
             for (n, j) in jitter.iter().enumerate() {
                 let due = 1.0 + n as f64 * 60.0 / bpm / CLOCKS;

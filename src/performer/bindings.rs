@@ -1,9 +1,21 @@
 //! Bindings: what is moved outside moves controls.
 
+use super::pickup::Whose;
 use super::{Happening, Outlet, Performer, When};
-use crate::midi::Channel;
 use crate::patch::Bind;
 use crate::text::Problem;
+
+/// What moves controls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Mind {
+    /// A hand.
+    #[default]
+    Hand,
+    /// A song, which has no fader that stands anywhere.
+    Song,
+    /// A reset, or a port that is gone.
+    Rest,
+}
 
 impl Performer {
     /// Moves the controls of the bindings for which `says` has a position, from 0 to 1, to that.
@@ -11,17 +23,22 @@ impl Performer {
         &mut self,
         (at, now): (When, When),
         says: &dyn Fn(&Bind) -> Option<f64>,
-        channel: Option<Channel>,
+        whose: Whose,
         outlet: &mut dyn Outlet,
     ) -> Result<(), Problem> {
         if self.patch.binds.is_empty() {
             return Ok(());
         }
+        // A finger that moves on a channel of MPE is one of one hand.
+        let hand = whose.map(|(port, channel)| match self.hands.get(port) {
+            Some(hands) => (port, hands.hand(channel)),
+            None => (port, channel),
+        });
         let patch = std::sync::Arc::clone(&self.patch);
         let mut result = Ok(());
         for (number, bind) in patch.binds.iter().enumerate() {
             let on_channel =
-                channel.zip(bind.channel).is_none_or(|(channel, wanted)| channel.number() == wanted);
+                whose.zip(bind.channel).is_none_or(|((_, channel), wanted)| channel.number() == wanted);
             let Some(position) = says(bind).filter(|position| on_channel && position.is_finite()) else {
                 continue;
             };
@@ -39,10 +56,17 @@ impl Performer {
             }
             let stands = self.targets.get(place).and_then(|value| bind.position(control, *value));
             // A song has no fader that stands anywhere, and a sensor is where it is.
-            let waits = bind.pickup && !self.in_song && control.stream == 0.0;
-            let pickup = self.pickups.get_mut(number).filter(|_| waits);
-            let waits = pickup.and_then(|pickup| {
+            let picks_up = bind.pickup && self.mind != Mind::Song && control.stream == 0.0;
+            let waits = self.pickups.get_mut(number).and_then(|pickups| {
+                let pickup = pickups.of(hand);
+                if self.mind == Mind::Rest {
+                    return (!pickup.rests(position, stands)).then_some(false);
+                }
                 let moves = pickup.moves(position, stands);
+                if !picks_up {
+                    pickup.take(position);
+                    return None;
+                }
                 (!moves).then(|| pickup.begins_to_wait())
             });
             if waits == Some(true) {

@@ -4,7 +4,6 @@
 //! known then, and lasts as long as that tempo says; what has been fed is not moved any more.
 
 use super::beats::Beats;
-use super::hands::PORTS;
 use super::run::Run;
 use super::whence::{OF_RUN, Whence};
 use super::{Outlet, Performer, When};
@@ -23,8 +22,8 @@ pub(super) struct Clocked {
     pub beats: Beats,
     /// Where the song begins that was started and whose patterns have yet to begin, and whether what they draw is drawn anew.
     pub begin: Option<(f64, bool)>,
-    /// The port whose clock counts.
-    port: Option<u16>,
+    /// The port whose clock counts, by its hands.
+    port: Option<usize>,
     /// Where the song stands, in beats.
     stands: f64,
 }
@@ -77,7 +76,7 @@ impl Performer {
     }
 
     /// What a message says about the song. A song of another port is taken up where none runs.
-    pub(super) fn count(&mut self, at: When, port: u16, message: Message, outlet: &mut dyn Outlet) {
+    pub(super) fn count(&mut self, at: When, port: usize, message: Message, outlet: &mut dyn Outlet) {
         let begins = matches!(message, Message::Start | Message::Continue | Message::SongPosition { .. });
         if !(begins || matches!(message, Message::Clock | Message::Stop))
             || !self.clocked.awaits
@@ -108,18 +107,18 @@ impl Performer {
         // What has yet to begin anew does so from wherever.
         let anew = anew || self.clocked.begin.is_some_and(|(_, anew)| anew);
         self.release_clocked(at, outlet);
-        self.clocked.beats.clock().run(beat);
+        self.clocked.beats.clock().run(beat, at.seconds);
         self.clocked.begin = Some((beat, anew));
     }
 
     /// Whether the clock that counts is that of a port.
     pub(super) fn clock_is_of(&self, port: usize) -> bool {
-        self.clocked.port.is_some_and(|of| usize::from(of).min(PORTS - 1) == port)
+        self.clocked.port == Some(port)
     }
 
     /// A port is gone: if its clock counted, another may.
-    pub(super) fn count_no_more(&mut self, at: When, port: u16, outlet: &mut dyn Outlet) {
-        if self.clock_is_of(usize::from(port).min(PORTS - 1)) {
+    pub(super) fn count_no_more(&mut self, at: When, port: usize, outlet: &mut dyn Outlet) {
+        if self.clock_is_of(port) {
             self.stop_clocked(at, outlet);
             (self.clocked.port, self.clocked.beats) = (None, Beats::None);
         }
@@ -143,7 +142,15 @@ impl Performer {
         all.into_iter().for_each(|id| self.cancel(at, id, OF_RUN as u8, outlet));
     }
 
-    /// The song is over: nothing more of it is said, and what sounds does for as long as it was to.
+    /// The song is over: nothing more of it is said, what sounds does for as long as it was to, and another clock may count.
+    pub(super) fn end_song(&mut self) {
+        self.end_clocked();
+        if matches!(self.clocked.beats, Beats::Song(..)) {
+            self.clocked.beats = Beats::None;
+        }
+    }
+
+    /// Nothing more of what follows a clock is said.
     pub(super) fn end_clocked(&mut self) {
         self.clocked.begin = None;
         self.runs.retain(|run| run.follows.is_none());
@@ -180,16 +187,17 @@ impl Performer {
         }
         let root = Root::at(pattern, 0.0);
         let score = self.score(&[root], self.seed_of(draws))?;
-        let port = self.clocked.port.map(|port| usize::from(port).min(PORTS - 1));
-        let whence = port.map_or(Whence::HERE, |port| Whence::midi(port, None));
+        let whence = self.clocked.port.map_or(Whence::HERE, |port| Whence::midi(port, None));
         let run = Run::new(serial, vec![root], score).by(whence, self.cause).drawing(draws);
         self.runs.push(run.following(0.0, speed).from((beat - NEAR) / speed));
         Ok(())
     }
 
-    /// Where a pattern that is started now begins, if a clock counts its beats.
+    /// Where a pattern that is started now begins, if a clock counts its beats; one whose clocks have stopped coming counts none.
     pub(super) fn follows(&self, at: When, pattern: usize) -> Option<(f64, f64)> {
         let pattern = self.patch.patterns.get(pattern).filter(|pattern| pattern.follows)?;
+        // Whether they come is so now; when it begins may lie far ahead.
+        self.clocked.beats.runs(self.clock)?;
         Some((self.clocked.beats.beat(at.seconds)?, speed(pattern)))
     }
 

@@ -1,8 +1,10 @@
 //! What comes from outside: keys, messages of MIDI and OSC set triggers off and move controls.
 
+use super::bindings::Mind;
 use super::touch::Held;
 use super::{Note, Outlet, Performer, Touch, When, Whence};
-use crate::midi::{Channel, Claims, Expression, Gesture, Interpreter, Message, interpreter, pitch};
+use crate::midi::interpreter::{self, RESET_CONTROLLERS};
+use crate::midi::{Channel, Claims, Expression, Gesture, Interpreter, Message, pitch};
 use crate::node::motion::Motion;
 use crate::patch::event::limits;
 use crate::patch::{Bind, Mover, Place, Source, Spread, Trigger};
@@ -11,6 +13,20 @@ use crate::text::Problem;
 
 /// Ports that are told apart.
 pub const PORTS: usize = 64;
+
+/// A song has hands of its own, before those of the ports.
+pub(super) const SONG: usize = 0;
+
+/// Whose hands are those of a port. All above the most are the last's.
+fn seat(port: u16) -> usize {
+    SONG + 1 + usize::from(port).min(PORTS - 1)
+}
+
+/// Where wheel and pressure of a channel stand, 0 to 1 each, as bindings know it.
+type Wheels = [(Mover, f64); 2];
+
+/// Where they stand when nobody touches them.
+const REST: Wheels = [(Mover::Bend, 0.5), (Mover::Pressure, 0.0)];
 
 /// One port of MIDI: what its messages mean, and which voices its keys hold.
 pub(super) struct Hands {
@@ -22,6 +38,9 @@ pub(super) struct Hands {
     loud: u16,
     /// Where each controller of each channel stood, for triggers that it passes.
     stood: Box<[[f64; 120]; 16]>,
+    /// Those of each channel that may have been moved unseen since, a bit each.
+    unseen: [u128; 16],
+    wheels: [Wheels; 16],
     gestures: Vec<Gesture>,
     /// Messages that came, and values of numbered parameters, which nothing in a patch can hear.
     messages: u64,
@@ -75,11 +94,18 @@ impl Hands {
             holds: Vec::new(),
             loud: 0,
             stood: Box::new([[0.0; 120]; 16]),
+            unseen: [0; 16],
+            wheels: [REST; 16],
             gestures: Vec::new(),
             messages: 0,
             unheard: 0,
             unplayed: 0,
         }
+    }
+
+    /// Whose hand is on a channel.
+    pub fn hand(&self, channel: Channel) -> Channel {
+        self.interpreter.hand(channel)
     }
 
     /// Another patch listens, to other controllers.
@@ -103,6 +129,18 @@ impl Performer {
         message: Message,
         outlet: &mut dyn Outlet,
     ) -> Result<(), Problem> {
+        self.midi_of(at, seat(port), message, outlet)
+    }
+
+    /// A message came from those hands.
+    pub(super) fn midi_of(
+        &mut self,
+        at: When,
+        port: usize,
+        message: Message,
+        outlet: &mut dyn Outlet,
+    ) -> Result<(), Problem> {
+        self.meet_hands(port);
         // Bindings go by the wheel and the pressure themselves, whether a note sounds or not.
         let moved = match message {
             Message::Bend { channel, bend } => Some((Mover::Bend, channel, wheel(bend))),
@@ -113,14 +151,48 @@ impl Performer {
             _ => None,
         };
         let result = moved.map_or(Ok(()), |(mover, channel, position)| {
-            self.move_by((at, at), &|bind| (bind.from == mover).then_some(position), Some(channel), outlet)
+            let wheels = self.hands[port].wheels[channel.index()].iter_mut();
+            wheels.filter(|(of, _)| *of == mover).for_each(|(_, stands)| *stands = position);
+            let says = |bind: &Bind| (bind.from == mover).then_some(position);
+            self.move_by((at, at), &says, Some((port, channel)), outlet)
         });
         self.count(at, port, message, outlet);
+        let mind = self.mind;
+        let resets =
+            matches!(message, Message::Reset | Message::Controller { number: RESET_CONTROLLERS, .. });
+        if mind == Mind::Hand && resets {
+            self.mind = Mind::Rest;
+        }
         let heard = self.hear(port, at, outlet, |interpreter, sink| interpreter.message(message, sink));
-        if let Some(hands) = self.hands.get_mut(usize::from(port).min(PORTS - 1)) {
-            hands.messages += 1;
+        self.mind = mind;
+        self.hands[port].messages += 1;
+        if message == Message::Reset {
+            self.hands[port].unseen = [u128::MAX; 16];
         }
         result.and(heard)
+    }
+
+    /// Wheel and pressure of a channel go to rest, and what they moved goes with them.
+    fn rest(
+        &mut self,
+        at: When,
+        port: usize,
+        channel: Channel,
+        outlet: &mut dyn Outlet,
+    ) -> Result<(), Problem> {
+        let before = std::mem::replace(&mut self.hands[port].wheels[channel.index()], REST);
+        let mind = self.mind;
+        if mind == Mind::Hand {
+            self.mind = Mind::Rest;
+        }
+        let mut result = Ok(());
+        for ((mover, position), _) in REST.iter().zip(before).filter(|((_, rest), (_, stood))| rest != stood)
+        {
+            let says = |bind: &Bind| (bind.from == *mover).then_some(*position);
+            result = result.and(self.move_by((at, at), &says, Some((port, channel)), outlet));
+        }
+        self.mind = mind;
+        result
     }
 
     /// Counts a note or program that no trigger plays, but of a song of whose clock alone the patch makes something.
@@ -156,7 +228,7 @@ impl Performer {
     pub fn midi_settle(&mut self, at: When, outlet: &mut dyn Outlet) -> Result<(), Problem> {
         let mut result = Ok(());
         for port in 0..self.hands.len() {
-            result = result.and(self.hear(port as u16, at, outlet, Interpreter::settle));
+            result = result.and(self.hear(port, at, outlet, Interpreter::settle));
         }
         result
     }
@@ -166,21 +238,37 @@ impl Performer {
     /// # Errors
     /// As [`Performer::midi`].
     pub fn midi_gone(&mut self, at: When, port: u16, outlet: &mut dyn Outlet) -> Result<(), Problem> {
+        self.gone(at, seat(port), outlet)
+    }
+
+    /// Those hands are gone.
+    pub(super) fn gone(&mut self, at: When, port: usize, outlet: &mut dyn Outlet) -> Result<(), Problem> {
+        self.meet_hands(port);
         self.count_no_more(at, port, outlet);
-        self.hear(port, at, outlet, |interpreter, sink| interpreter.let_go(sink))
+        let result = self.hear(port, at, outlet, |interpreter, sink| interpreter.let_go(sink));
+        self.hands[port].unseen = [u128::MAX; 16];
+        // A wheel springs back; a fader may be moved meanwhile.
+        let faders = self.patch.binds.iter().zip(&mut self.pickups);
+        faders
+            .filter(|(bind, _)| matches!(bind.from, Mover::Controller(_)))
+            .for_each(|(_, all)| all.forget(port));
+        result
+    }
+
+    /// There is somebody of that number from now on.
+    fn meet_hands(&mut self, port: usize) {
+        while self.hands.len() <= port {
+            self.hands.push(Hands::new(&self.patch.controllers()));
+        }
     }
 
     fn hear(
         &mut self,
-        port: u16,
+        port: usize,
         at: When,
         outlet: &mut dyn Outlet,
         say: impl FnOnce(&mut Interpreter, &mut dyn FnMut(Gesture)),
     ) -> Result<(), Problem> {
-        let port = usize::from(port).min(PORTS - 1);
-        while self.hands.len() <= port {
-            self.hands.push(Hands::new(&self.patch.controllers()));
-        }
         self.tell_moves(at, port, outlet);
         let hands = &mut self.hands[port];
         let mut gestures = std::mem::take(&mut hands.gestures);
@@ -255,15 +343,20 @@ impl Performer {
             }
             Gesture::Controller { channel, number, value, .. } => {
                 let says = |bind: &Bind| (bind.from == Mover::Controller(number)).then_some(value);
-                let result = self.move_by((at, at), &says, Some(channel), outlet);
+                let result = self.move_by((at, at), &says, Some((port, channel)), outlet);
                 let Some(stood) = self.hands[port].stood[channel.index()].get_mut(usize::from(number)) else {
                     return result;
                 };
                 let before = std::mem::replace(stood, value);
+                let bit = 1 << number;
+                let unseen = self.hands[port].unseen[channel.index()] & bit != 0;
+                self.hands[port].unseen[channel.index()] &= !bit;
                 let passes = |t: &Trigger| match t.on {
                     Source::MidiController { number: n, rises, threshold } => {
-                        let up = before < threshold && value >= threshold;
-                        let down = before > threshold && value <= threshold;
+                        // A switch that goes to its end has passed it; a fader is where it has been moved to.
+                        let up = if unseen { value == 1.0 } else { before < threshold && value >= threshold };
+                        let down =
+                            if unseen { value == 0.0 } else { before > threshold && value <= threshold };
                         n == number && on_channel(t.channel, channel) && if rises { up } else { down }
                     }
                     _ => false,
@@ -288,6 +381,7 @@ impl Performer {
                 self.count_unplayed(port, &fits);
                 self.set_off(at, &fits, &known, hit, outlet)
             }
+            Gesture::Rest { channel } => self.rest(at, port, channel, outlet),
             Gesture::Panic { channel, .. } => {
                 self.quiet(at, port, channel, outlet);
                 Ok(())
@@ -328,7 +422,7 @@ impl Performer {
         self.silence(at, port, channel, outlet);
         self.hands[port].loud &= !quiet;
         if clock {
-            self.count_no_more(at, port as u16, outlet);
+            self.count_no_more(at, port, outlet);
         }
     }
 
@@ -535,5 +629,7 @@ fn on_channel(wanted: Option<u8>, channel: Channel) -> bool {
     wanted.is_none_or(|wanted| wanted == channel.number())
 }
 
+#[cfg(test)]
+mod seats;
 #[cfg(test)]
 mod tests;

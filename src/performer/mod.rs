@@ -38,6 +38,7 @@ use crate::rig::{Finder, Rig};
 use crate::score::{EventStream, HORIZON, Root, Score};
 use crate::text::Problem;
 
+use bindings::Mind;
 use clocked::Clocked;
 pub use crossed::Callings;
 use crossed::Crossed;
@@ -48,7 +49,7 @@ use here::Here;
 pub use note::Note;
 pub use outlet::Outlet;
 pub use patterns::MOST_RUNS;
-use pickup::Pickup;
+use pickup::Pickups;
 use run::Run;
 use stopping::{Sent, Stop};
 use stream::Stream;
@@ -113,9 +114,10 @@ pub struct Performer {
     song: VecDeque<(f64, Option<Message>)>,
     /// How many of them were played.
     sung: u64,
-    /// Whether a message of it is played now.
-    in_song: bool,
-    pickups: Vec<Pickup>,
+    /// What moves controls now.
+    mind: Mind,
+    /// By binding.
+    pickups: Vec<Pickups>,
     /// Where each control of the patch was sent last.
     targets: Vec<f64>,
     /// Of those that are streams.
@@ -189,7 +191,7 @@ impl Performer {
         let targets = patch.controls.iter().map(|control| control.default).collect();
         let stream = |seconds: f64| (seconds > 0.0).then(|| Stream::new(seconds));
         let streams = patch.controls.iter().map(|control| stream(control.stream)).collect();
-        let pickups = vec![Pickup::default(); patch.binds.len()];
+        let pickups = vec![Pickups::default(); patch.binds.len()];
         let pitched = patch.voices.iter().map(Voice::reads_frequency).collect();
         Self {
             plan,
@@ -226,7 +228,7 @@ impl Performer {
             hands: Vec::new(),
             song: VecDeque::new(),
             sung: 0,
-            in_song: false,
+            mind: Mind::Hand,
             pickups,
             targets,
             streams,
@@ -371,6 +373,14 @@ impl Performer {
         outlet: &mut dyn Outlet,
     ) -> Result<u64, Problem> {
         self.play_by(at, voice, note, Whence::HERE, outlet)
+    }
+
+    /// Seconds until a voice that is played so is released; infinite where somebody has to.
+    pub fn lasts(&self, voice: &str, note: &Note) -> f64 {
+        let own = || {
+            self.voices.get(voice).and_then(|voice| self.patch.voices.get(*voice)).map(|voice| voice.duration)
+        };
+        note.duration.or_else(own).unwrap_or(f64::INFINITY)
     }
 
     /// The same for somebody.

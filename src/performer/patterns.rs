@@ -1,6 +1,8 @@
 //! Patterns and songs that play: started, stopped, and fed to the outlet in order of time.
 
+use super::bindings::Mind;
 use super::clocked::NEAR;
+use super::hands::SONG;
 use super::run::{Next, Run};
 use super::stopping::Sent;
 use super::touch::RESERVED;
@@ -124,6 +126,19 @@ impl Performer {
     fn feed_up_to(&mut self, until: u64, outlet: &mut dyn Outlet, most: usize) -> (bool, Option<u64>) {
         self.pay(When::of_sample(outlet.clock(), self.plan.engine_rate()), outlet);
         let until = until as f64 / self.plan.engine_rate();
+        // What the tempo of a song counts is sent up to its end before that is.
+        if let Some(end) = self.song.back().map(|(end, _)| *end).filter(|end| (self.fed..until).contains(end))
+        {
+            let (done, full) = self.feed_before(end, outlet, most);
+            if !done || full.is_some() {
+                return (done, full);
+            }
+        }
+        self.feed_before(until, outlet, most)
+    }
+
+    /// The same for what is before `until` seconds.
+    fn feed_before(&mut self, until: f64, outlet: &mut dyn Outlet, most: usize) -> (bool, Option<u64>) {
         let mut work = most;
         let song = self.feed_song(until, outlet, &mut work);
         let song_is_done = work > 0;
@@ -225,14 +240,14 @@ impl Performer {
                     self.tell(at, None, Some(number), Happening::Message(message));
                     self.because(number);
                     outlet.because(number);
-                    self.in_song = true;
-                    let played = self.midi(at, 0, message, outlet);
-                    self.in_song = false;
+                    self.mind = Mind::Song;
+                    let played = self.midi_of(at, SONG, message, outlet);
+                    self.mind = Mind::Hand;
                     played
                 }
                 None => {
-                    self.end_clocked();
-                    self.midi_gone(at, 0, outlet)
+                    self.end_song();
+                    self.gone(at, SONG, outlet)
                 }
             };
             if let Err(problem) = played {

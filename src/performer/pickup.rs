@@ -1,7 +1,9 @@
 //! A fader that must come to where its control stands before it moves it.
 
+use crate::midi::Channel;
+
 /// Positions closer than this are the same: a step of 7 bits.
-const NEAR: f64 = 1.0 / 127.0;
+const NEAR: f64 = 1.0 / 127.0 + 1e-9;
 
 /// Whether a binding has its control in hand.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -19,6 +21,7 @@ impl Pickup {
         let before = self.last.replace(position);
         let Some(stands) = stands else {
             // It could never come there.
+            self.sent = Some(position);
             return true;
         };
         let holds = self.sent.is_some_and(|sent| (sent - stands).abs() < 1e-6);
@@ -29,9 +32,47 @@ impl Pickup {
         moves
     }
 
+    /// It has moved the control to `position`, wherever that stood.
+    pub fn take(&mut self, position: f64) {
+        (self.last, self.sent) = (Some(position), Some(position));
+    }
+
+    /// It was not moved: it is known to stand at `position` now, as after a reset. Says whether it moves the control: where it had that.
+    pub fn rests(&mut self, position: f64, stands: Option<f64>) -> bool {
+        let holds = stands.is_some_and(|stands| self.sent.is_some_and(|sent| (sent - stands).abs() < 1e-6));
+        // Where it does not, nobody has seen it go there.
+        let known = holds.then_some(position);
+        (self.last, self.sent) = (known, known);
+        holds
+    }
+
     /// Whether it has begun to wait for its control to be where it stands; once until it has had that.
     pub fn begins_to_wait(&mut self) -> bool {
         !std::mem::replace(&mut self.asked, true)
+    }
+}
+
+/// Whose hand moves something: a port of MIDI and a channel of it, or anybody's.
+pub(super) type Whose = Option<(usize, Channel)>;
+
+/// All that one binding follows: each fader stands somewhere of its own.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Pickups(Vec<(Whose, Pickup)>);
+
+impl Pickups {
+    /// That of somebody.
+    pub fn of(&mut self, whose: Whose) -> &mut Pickup {
+        let known = self.0.iter().position(|(of, _)| *of == whose);
+        let place = known.unwrap_or(self.0.len());
+        if known.is_none() {
+            self.0.push((whose, Pickup::default()));
+        }
+        &mut self.0[place].1
+    }
+
+    /// A port is gone: what stands there when it is back nobody knows.
+    pub fn forget(&mut self, port: usize) {
+        self.0.retain(|(whose, _)| whose.is_none_or(|(of, _)| of != port));
     }
 }
 

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use super::clocked::speed;
+use super::pickup::Pickups;
 use super::run::Run;
 use super::stopping::Sent;
 use super::{OpenEvents, Performer};
 use crate::graph::plan::Plan;
 use crate::graph::scene::Scene;
-use crate::patch::Patch;
+use crate::patch::{Bind, Patch};
 use crate::rig::Rig;
 use crate::score::Root;
 use crate::text::Problem;
@@ -67,6 +68,7 @@ impl Performer {
         self.hands = std::mem::take(&mut new.hands);
         self.take_hands(&new.plan);
         (self.song, self.sung) = (std::mem::take(&mut new.song), new.sung);
+        self.take_faders(&old, std::mem::take(&mut new.pickups));
         // Controls that still exist keep their values.
         for (control, target) in self.patch.controls.iter().zip(&mut self.targets) {
             let before = old.controls.iter().position(|c| c.name == control.name);
@@ -130,7 +132,7 @@ impl Performer {
 
     /// Lets patterns that follow a clock since now join in where its song runs.
     fn join_clock(&mut self) -> Result<(), Problem> {
-        let Some(beat) = self.clocked.beats.beat(self.fed).filter(|_| self.clocked.begin.is_none()) else {
+        let Some(beat) = self.clocked.beats.runs(self.fed).filter(|_| self.clocked.begin.is_none()) else {
             return Ok(());
         };
         let mut result = Ok(());
@@ -147,6 +149,19 @@ impl Performer {
     /// The serial numbers of the patterns that a clock has started.
     fn counted(&self) -> Vec<u64> {
         self.clocked.patterns.iter().filter_map(|(_, started)| Some(started.as_ref()?.serial)).collect()
+    }
+
+    /// A fader that has a control in hand, or waits for it, still does where a binding of the new patch is of both.
+    fn take_faders(&mut self, old: &Patch, faders: Vec<Pickups>) {
+        let mut of_old: Vec<_> = old.binds.iter().zip(faders).collect();
+        for (bind, pickups) in self.patch.binds.iter().zip(&mut self.pickups) {
+            let is = |(old, _): &(&Bind, _)| {
+                (&old.from, &old.control, old.channel) == (&bind.from, &bind.control, bind.channel)
+            };
+            if let Some(known) = of_old.iter().position(is) {
+                *pickups = of_old.swap_remove(known).1;
+            }
+        }
     }
 
     /// Voices that keys of the `old` plan hold are those of this one, and hear what theirs hear now; controllers are those of the new patch.

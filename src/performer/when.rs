@@ -22,6 +22,11 @@ impl When {
         Self { seconds: instant.since(Instant::default()) / rate, instant }
     }
 
+    /// Then, or at `other` if that is later.
+    pub fn no_earlier(self, other: Self) -> Self {
+        if other.instant > self.instant { other } else { self }
+    }
+
     /// With an engine sample. It is that sample exactly, which seconds and back again would not always give.
     pub fn of_sample(sample: u64, rate: f64) -> Self {
         Self { seconds: sample as f64 / rate, instant: Instant { sample, fraction: 0 } }

@@ -37,6 +37,11 @@ fn bend(key: u32, value: f64) -> Gesture {
 
 const REST: Expression = Expression::REST;
 
+/// Channels that are at rest, from 1.
+fn rest(channels: std::ops::RangeInclusive<u8>) -> Vec<Gesture> {
+    channels.map(|number| Gesture::Rest { channel: channel(number) }).collect()
+}
+
 #[test]
 fn every_note_on_is_a_sounding_and_the_oldest_ends_first() {
     let gestures = all(&[0x90, 60, 127, 60, 127, 61, 127, 0x80, 60, 1, 60, 2, 61, 127]);
@@ -123,7 +128,7 @@ fn zone(status: u8, members: u8) -> [u8; 9] {
 fn in_a_zone_each_note_has_its_own_bend_and_the_manager_adds() {
     let mut i = Interpreter::new();
     hear(&mut i, &[0xE2, 0, 0, 0xD2, 127, 0xB2, 74, 127]);
-    assert_eq!(hear(&mut i, &zone(0xB0, 3)), []);
+    assert_eq!(hear(&mut i, &zone(0xB0, 3)), rest(1..=4));
     assert_eq!(
         hear(&mut i, &[0x92, 60, 127, 0x82, 60, 1]),
         [on(0, 3, 60, REST), off(0, 1)],
@@ -160,7 +165,7 @@ fn in_a_zone_each_note_has_its_own_bend_and_the_manager_adds() {
     assert_eq!(hear(&mut i, &[0xB0, 64, 127, 0x81, 60, 1]), []);
     assert_eq!(hear(&mut i, &[0xB0, 64, 0]), [off(0, 1)]);
     // A smaller zone: all that sounded on its channels ends, what did not belong to it goes on.
-    assert_eq!(hear(&mut i, &zone(0xB0, 1)), [off(1, 64), off(2, 64)]);
+    assert_eq!(hear(&mut i, &zone(0xB0, 1)), [vec![off(1, 64), off(2, 64)], rest(1..=4)].concat());
     let fresh = hear(&mut i, &[0x92, 60, 127, 0xE2, 127, 127]);
     assert_eq!(fresh, [on(4, 3, 60, REST), bend(4, 2.0)], "channel 3 is an ordinary one again");
     assert_eq!(hear(&mut i, &zone(0xB3, 1)), []);
@@ -214,7 +219,8 @@ fn all_sound_off_and_reset_name_the_channel() {
     let mut i = Interpreter::new();
     hear(&mut i, &zone(0xB0, 3));
     hear(&mut i, &[0x90, 60, 127, 0xE1, 127, 127]);
-    assert_eq!(hear(&mut i, &[0xFF]), [Gesture::Panic { reason: Reason::Reset, channel: None }]);
+    let panic = vec![Gesture::Panic { reason: Reason::Reset, channel: None }];
+    assert_eq!(hear(&mut i, &[0xFF]), [rest(1..=16), panic].concat());
     assert_eq!(
         hear(&mut i, &[0x91, 60, 127]),
         [on(1, 2, 60, REST)],
@@ -290,7 +296,7 @@ fn reset_all_controllers_is_rp_015() {
     let gestures = hear(&mut i, &[0xB0, 121, 0]);
     let moved = Gesture::Move { key: 1, what: What::Pressure, value: 0.0 };
     let controller = Gesture::Controller { channel: Channel::FIRST, number: 1, value: 0.0, fine: false };
-    assert_eq!(gestures, [controller, off(0, 1), bend(1, 0.0), moved]);
+    assert_eq!(gestures, [controller, rest(1..=1)[0], off(0, 1), bend(1, 0.0), moved]);
 }
 
 #[test]
@@ -313,7 +319,7 @@ fn a_port_that_vanished_holds_nothing() {
     hear(&mut i, &[0xB0, 64, 127, 0xE1, 0, 0, 0x91, 60, 127, 0x81, 60, 5, 0x91, 61, 127]);
     let mut out = Vec::new();
     i.let_go(&mut |g| out.push(g));
-    assert_eq!(out, [off(0, 5), off(1, 64)]);
+    assert_eq!(out, [vec![off(0, 5), off(1, 64)], rest(1..=16)].concat());
     i.settle(&mut |g| panic!("{g:?}"));
     assert_eq!(hear(&mut i, &[0x91, 60, 127, 0xE1, 127, 127]), [on(2, 2, 60, REST), bend(2, 48.0)]);
     assert_eq!(hear(&mut i, &[0x81, 60, 1]), [off(2, 1)], "no pedal is down");

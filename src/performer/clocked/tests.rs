@@ -429,3 +429,45 @@ fn what_is_to_begin_anew_does_so_from_wherever() {
     let (serial, draws) = say(&mut performer, &mut kept, &[Message::Start, place, Message::Continue]);
     assert_eq!(serial, draws, "it was started");
 }
+
+/// When a song from a file is over, or a clock has died without a word, what is started then has its own tempo; and a clock counts that comes.
+#[test]
+fn what_is_started_once_nobody_counts_has_its_own_tempo() {
+    let key = "clock = \"midi\"\n---[[trigger]]\non = \"key.1\"\nplay = \"p\"\n";
+    let own = |performer: &mut Performer, kept: &mut Kept, at: f64| {
+        kept.1.clear();
+        kept.0 = (at * RATE) as u64;
+        performer.feed(kept.0, kept);
+        performer.key(When::of_seconds(at, RATE), 1, kept).unwrap();
+        performer.feed(((at + 1.4) * RATE) as u64, kept);
+        near(kept, &due(at, 0, 3, 120.0), 1e-6);
+    };
+    let (mut performer, mut kept) = (performer(key), Kept::default());
+    performer.follow_song(&[(0.0, 60.0)], 2.0).unwrap();
+    performer.play_song([], 2.0);
+    // All at once: what falls before the song's end is there.
+    performer.feed((2.5 * RATE) as u64, &mut kept);
+    near(&kept, &due(0.0, 0, 2, 60.0), 1e-6);
+    own(&mut performer, &mut kept, 3.0);
+    // Once that has sounded, a sequencer begins.
+    let serials: Vec<u64> = performer.patterns().map(|(serial, _)| serial).collect();
+    for serial in serials {
+        assert!(performer.stop_pattern(When::of_seconds(5.0, RATE), serial, &mut kept));
+    }
+    say(&mut performer, &mut kept, 5.9, Message::Start);
+    let mid = clocks(&mut performer, &mut kept, 6.0, 24, 90.0, 0.0);
+    kept.1.clear();
+    // Meant for half a beat later.
+    let later = mid + 0.5 * 60.0 / 90.0;
+    performer.key(When::of_seconds(later, RATE), 1, &mut kept).unwrap();
+    let end = clocks(&mut performer, &mut kept, mid, 36, 90.0, 0.0);
+    // The clock has begun the pattern as well; its third beat lies between.
+    let beat = 60.0 / 90.0;
+    near(&kept, &[later, mid + beat, later + beat], 5e-3);
+    // Its cable stays, and nothing comes any more: what falls within a beat is played by it, and for what is behind that it is waited for.
+    kept.1.clear();
+    performer.key(When::of_seconds(end + 0.3, RATE), 1, &mut kept).unwrap();
+    performer.feed(((end + 4.0) * RATE) as u64, &mut kept);
+    near(&kept, &[end + 0.3], 5e-3);
+    own(&mut performer, &mut kept, end + 5.0);
+}
