@@ -15,7 +15,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use bench::{HUM, Likeness, Playing, clock_went_on, floats, hums, likeness, scene, signal, wait};
+use bench::{HUM, Likeness, Playing, clock_went_on, floats, hums, kills, likeness, scene, signal, wait};
 
 const CHANNELS: u32 = 24;
 
@@ -303,10 +303,10 @@ fn comes_in_slowly(heard: &[f32], gaps: u32) -> Option<Result<(), String>> {
     Some(if loudest > 0.45 { Ok(()) } else { Err(format!("no louder than {loudest}")) })
 }
 
-/// Ten times on each way, or as often as `PACINIAN_KILLS` says.
+/// On each way.
 #[test]
 fn a_server_that_is_killed_is_waited_for() {
-    let kills = std::env::var("PACINIAN_KILLS").ok().and_then(|kills| kills.parse().ok()).unwrap_or(10);
+    let kills = kills(10);
     let Some(mut rig) = Rig::new("killed") else { return };
     scene(&rig.folder, CHANNELS);
     // With MIDI, which is a client of the same server where it goes through JACK.
@@ -357,4 +357,34 @@ fn a_server_that_is_killed_is_waited_for() {
         println!("{way}: {seen} of {kills} returns were heard from their first frame on");
         assert!(seen > 0 || kills < 3, "{way}: no return was heard from its first frame on");
     }
+}
+
+/// While a server computes ahead of time (freewheel), as for a program that exports, a session is not played into that for longer than it takes to
+/// notice; behind it the session is there again.
+#[cfg(feature = "jack")]
+#[test]
+fn a_server_that_computes_ahead_of_time_is_waited_for() {
+    let Some(rig) = Rig::new("freewheel") else { return };
+    let freewheels = |how: &str| rig.command("jack_freewheel").arg(how).stdout(Stdio::null()).status();
+    if let Err(error) = freewheels("n") {
+        return bench::skipped(format!("jack_freewheel: {error}"));
+    }
+    scene(&rig.folder, CHANNELS);
+    fs::write(rig.folder.join("hum.toml"), HUM).unwrap();
+    let play = ["play", "hum.toml", "--rig", "rig.toml", "--device", "jack:output", "--block", "1024"];
+    let mut playing = Playing::start(rig.program(&play), rig.folder.join("told"));
+    wait("the beginning", || playing.says("plays on") == 1);
+    std::thread::sleep(Duration::from_millis(500));
+    assert!(freewheels("y").unwrap().success());
+    wait("the loss", || playing.says("the device is gone") == 1);
+    std::thread::sleep(Duration::from_millis(1500));
+    assert_eq!(playing.says("the device is back"), 0, "{}", playing.text());
+    // A server in a hurry may not answer at once.
+    wait("an answer", || freewheels("n").unwrap().success());
+    wait("its return", || playing.says("the device is back") == 1);
+    let recorder = rig.record();
+    std::thread::sleep(Duration::from_millis(800));
+    let (heard, _) = recorder.finish();
+    playing.interrupt();
+    assert!(hums(&heard, CHANNELS), "it sounds again: {}", playing.text());
 }

@@ -14,7 +14,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use bench::{HUM, Playing, clock_went_on, floats, heard_to_the_bit, hums, scene, signal, wait};
+use bench::{HUM, Playing, clock_went_on, floats, heard_to_the_bit, hums, kills, scene, signal, wait};
 
 const CHANNELS: u32 = 24;
 
@@ -362,7 +362,8 @@ fn an_input_that_somebody_leads_elsewhere_goes_back() {
 fn a_server_that_is_killed_and_comes_back_is_played_on_again() {
     let Some(mut rig) = Rig::new("killed") else { return };
     let mut playing = rig.hum();
-    for round in 1..=5 {
+    let kills = kills(5);
+    for round in 1..=kills {
         std::thread::sleep(Duration::from_millis(500));
         rig.dies_and_comes_back();
         wait("the loss", || playing.says("the device is gone") == round);
@@ -374,5 +375,5 @@ fn a_server_that_is_killed_and_comes_back_is_played_on_again() {
     let again = rig.heard(recorder, "again.raw");
     assert!(hums(&again, CHANNELS), "{}", playing.text());
     playing.interrupt();
-    clock_went_on(&rig.folder.join("s.jsonl"), 10);
+    clock_went_on(&rig.folder.join("s.jsonl"), 2 * kills);
 }

@@ -11,7 +11,7 @@ use ringbuf::traits::Split;
 use super::device::capture;
 use super::device::card::Shape;
 use super::device::choose::Chosen;
-use super::device::failure::DeviceError;
+use super::device::failure::{DeviceError, Trouble};
 use super::device::keeper::{BLOCK, Fate, Keeper};
 use super::device::list::Found;
 use super::device::listening::Listening;
@@ -26,7 +26,7 @@ use crate::live::board::Board;
 use crate::live::callback::Callback;
 use crate::live::clock::StreamClock;
 use crate::live::conductor::{Audience, Conductor};
-use crate::live::driver::Driver;
+use crate::live::driver::{Driver, PART};
 use crate::live::gate::{Gate, RAMP_IN, RAMP_OUT, UNARMED};
 use crate::live::intake::{Ears, Hearing, bridge};
 use crate::live::reload::Reload;
@@ -205,6 +205,11 @@ impl Session {
             Ear::Nothing => None,
             Ear::File(input) => Some(Box::new(Heard::new(input))),
             Ear::Device { device, fate } => {
+                if let Some(block) = block.filter(|block| *block as usize > PART) {
+                    let what = format!("nothing can be heard in blocks of {block} frames");
+                    let help = format!("give {PART} at most, or listen to nothing");
+                    return Err(DeviceError::new(Trouble::Unfit, what).help(help).into());
+                }
                 let shape = capture::shape(&device.1, others, rate as u32, block)?;
                 let block = shape.block.map_or(BLOCK, |block| block as usize);
                 let ears = Ears { rate: f64::from(shape.rate), channels: shape.channels, block };

@@ -47,7 +47,7 @@ fn within(x: f32) -> f32 {
 }
 
 /// Frames that are heard at a time; a longer block is computed in parts.
-const PART: usize = 8192;
+pub const PART: usize = 8192;
 
 impl Driver {
     /// For a device of `rate` frames a second that is expected to ask for blocks of `block` frames.

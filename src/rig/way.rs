@@ -18,6 +18,14 @@ impl Rig {
         (volts > 0.0).then_some(volts)
     }
 
+    /// Amperes there for a sample of 1.0, without their sign; `None` where that is not known, or something else than a current is imposed.
+    pub fn amperes_per_sample(&self, output: &Output) -> Option<f64> {
+        let amplifier = self.amplifier(output.amplifier.as_ref()?)?;
+        let gain = (amplifier.drive == Drive::Current).then_some(amplifier.gain)?;
+        let amperes = (self.device.full_scale_volts? * gain).abs();
+        (amperes > 0.0).then_some(amperes)
+    }
+
     /// What keeps steady voltages off the actuator of an output: the device's coupling, and the amplifier's. What is not known of lets them
     /// through.
     pub fn corners(&self, output: &Output) -> Corners {

@@ -106,6 +106,14 @@ impl Drop for Bench {
     }
 }
 
+/// How often a test kills a server, unless `PACINIAN_KILLS` says otherwise.
+pub fn kills(usually: usize) -> usize {
+    match std::env::var("PACINIAN_KILLS") {
+        Ok(kills) => kills.parse().unwrap_or_else(|error| panic!("PACINIAN_KILLS={kills}: {error}")),
+        Err(_) => usually,
+    }
+}
+
 /// Waits until something holds, ten seconds at most.
 pub fn wait(what: &str, mut holds: impl FnMut() -> bool) {
     let begin = Instant::now();

@@ -29,6 +29,27 @@ fn listening(card: &Scripted, ear: &Scripted) -> (Session, Fates) {
     (Session::start(beginning).unwrap_or_else(|error| panic!("{error}")), fates)
 }
 
+/// Nothing is heard in blocks that are longer than what is heard at a time: that is refused, and not heard with a gap in each.
+#[test]
+fn blocks_too_long_to_listen_in_are_refused() {
+    for (block, taken) in [(8_192, true), (8_193, false)] {
+        let system = System::of(&[&Scripted::new(Make::default()), &ear(Make::default())]);
+        let device = heard_among(&system.hosts(), "Ear").unwrap();
+        let beginning = Beginning {
+            block: Some(block),
+            input: Ear::Device { device, fate: Box::new(|_| ()) },
+            ..Beginning::of(reload(LISTENS, 2), named(&system, "Card").unwrap())
+        };
+        match Session::start(beginning) {
+            Ok(mut session) => {
+                session.stop();
+                assert!(taken, "{block}");
+            }
+            Err(error) => assert!(!taken && error.to_string().contains("8192 at most"), "{block}: {error}"),
+        }
+    }
+}
+
 /// Whether what is heard was played in the last 25 ms.
 fn sounds(card: &Scripted) -> bool {
     let all = card.latest().samples;

@@ -112,6 +112,8 @@ impl Walk {
         let beginning =
             Beginning { armed, ..beginning(&rig, &probes, device, Arc::clone(&presence), *terminal)? };
         let session = patience::begin(&name, beginning, &stop, terminal)?;
+        // A signal closes the gate itself, whatever this thread is about.
+        stop.also(&session.board().lever.closing())?;
         terminal.note(&format!(
             "walking over {} of {}{why}{}\n",
             super::table::many(probes.len(), "channel"),

@@ -244,6 +244,7 @@ impl Round<'_> {
             output.map_or("nothing in the rig".into(), |output| format!("`{}`", escaped(&output.name)));
         let why = match probe.lowered {
             Some(Lowered::Rated) => ", half of what it is rated for",
+            Some(Lowered::Unknown) => ", since nothing says at which level it gets what it is rated for",
             Some(Lowered::MaxLevel) => ", the most that `max_level` lets out",
             None => "",
         };

@@ -96,12 +96,7 @@ fn filters(output: &rig::Output, planned: &Output, rate: f64) -> Vec<Biquad> {
 fn most(rig: &Rig, output: &rig::Output) -> f64 {
     let amplifier = output.amplifier.as_ref().and_then(|name| rig.amplifier(name));
     let actuator = output.actuator.as_ref().and_then(|name| rig.actuator(name));
-    let (volts, amperes) = match (amplifier, rig.device.full_scale_volts) {
-        (Some(amplifier), Some(scale)) if amplifier.drive == rig::Drive::Current => {
-            (None, Some((scale * amplifier.gain).abs()))
-        }
-        _ => (rig.volts_per_sample(output), None),
-    };
+    let (volts, amperes) = (rig.volts_per_sample(output), rig.amperes_per_sample(output));
     let share = |bears: Option<f64>, scale: Option<f64>| Some(bears? / scale?);
     [
         share(actuator.and_then(rig::Actuator::most_volts), volts),

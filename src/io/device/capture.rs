@@ -92,11 +92,12 @@ impl Capture {
         let gaps = Arc::clone(board);
         let callers = Callers::default();
         let tell = teller(news, move || gaps.gap_of_input(), || {}, callers.clone());
+        let own = (priority::of_host(found.host()), callers.clone());
         let stream = match format {
-            SampleFormat::F32 => stream::<f32, _>(device, config, hear, tell, callers.clone()),
-            SampleFormat::I32 => stream::<i32, _>(device, config, hear, tell, callers.clone()),
-            SampleFormat::I24 => stream::<cpal::I24, _>(device, config, hear, tell, callers.clone()),
-            _ => stream::<i16, _>(device, config, hear, tell, callers.clone()),
+            SampleFormat::F32 => stream::<f32, _>(device, config, hear, tell, own),
+            SampleFormat::I32 => stream::<i32, _>(device, config, hear, tell, own),
+            SampleFormat::I24 => stream::<cpal::I24, _>(device, config, hear, tell, own),
+            _ => stream::<i16, _>(device, config, hear, tell, own),
         };
         let stream = stream.map_err(|error| trouble(&error))?;
         stream.play().map_err(|error| trouble(&error))?;
@@ -115,7 +116,7 @@ fn stream<T, E>(
     config: StreamConfig,
     mut hear: impl Hear,
     tell: E,
-    callers: Callers,
+    (raise, callers): (fn(), Callers),
 ) -> Result<cpal::Stream, cpal::Error>
 where
     T: SizedSample,
@@ -128,7 +129,7 @@ where
     let take = move |input: &[T], info: &cpal::InputCallbackInfo| {
         if !std::mem::replace(&mut raised, true) {
             callers.calls();
-            priority::raise();
+            raise();
         }
         let stamp = info.timestamp();
         hear.begin(seconds(stamp.callback));

@@ -11,8 +11,10 @@ use cpal::{
     SupportedStreamConfigRange,
 };
 
+use super::ahead::Ahead;
 use super::callers::Callers;
 use super::failure::{DeviceError, Trouble};
+use super::hosts::JACK;
 use super::jack_turn::{self, Stay};
 use super::list::{self, Found, Offer};
 use super::minder::teller;
@@ -21,6 +23,7 @@ use super::rates::Rates;
 use crate::live::board::Board;
 use crate::live::driver::Driver;
 use crate::live::lent::Lent;
+use crate::live::stamp::Epoch;
 use crate::live::steps::Steps;
 
 /// What is wanted of a card.
@@ -97,6 +100,7 @@ pub struct Card {
     stream: cpal::Stream,
     /// Frames a block, as far as it says.
     pub block: Option<u32>,
+    rushes: Arc<AtomicBool>,
     callers: Callers,
     /// Dropped last.
     _stay: Option<Stay>,
@@ -141,12 +145,17 @@ impl Card {
         let gaps = Arc::clone(board);
         let gone = Arc::new(AtomicBool::new(false));
         let callers = Callers::default();
+        let rushes = Arc::<AtomicBool>::default();
         let mut player = Player {
             driver,
             raised: false,
+            raise: priority::of_host(found.host()),
             gone: Arc::clone(&gone),
             board: Arc::clone(board),
             callers: callers.clone(),
+            ahead: (found.host() == JACK)
+                .then(|| Ahead::new(f64::from(shape.rate), 0.0, Arc::clone(&rushes))),
+            epoch: Epoch::begin(),
         };
         player.driver.round_to(steps(format));
         let lost = move || gone.store(true, Ordering::Relaxed);
@@ -172,7 +181,12 @@ impl Card {
         stream.play().map_err(|error| DeviceError::of(&found.name, &error))?;
         drop(turn);
         let block = stream.buffer_size().ok();
-        Ok(Self { stream, block, callers, _stay: stay })
+        Ok(Self { stream, block, rushes, callers, _stay: stay })
+    }
+
+    /// Whether its server computes ahead of time: until it does so no more, it is given silence.
+    pub(super) fn rushes(&self) -> bool {
+        self.rushes.load(Ordering::Relaxed)
     }
 
     /// By how much a clock is ahead of the stream's own, seconds.
@@ -201,10 +215,15 @@ pub(super) fn behind(stream: &cpal::Stream, clock: impl Fn() -> f64) -> f64 {
 struct Player<F> {
     driver: F,
     raised: bool,
+    /// How it asks to run before others.
+    raise: fn(),
     /// The device was lost, even if it still asks for frames.
     gone: Arc<AtomicBool>,
     board: Arc<Board>,
     callers: Callers,
+    /// Of a server that may compute ahead of time.
+    ahead: Option<Ahead>,
+    epoch: Epoch,
 }
 
 impl<F: Fill> Player<F> {
@@ -215,7 +234,10 @@ impl<F: Fill> Player<F> {
         }
         if !std::mem::replace(&mut self.raised, true) {
             self.callers.calls();
-            priority::raise();
+            (self.raise)();
+        }
+        if self.ahead.as_mut().is_some_and(|ahead| ahead.asks(frames as u64, self.epoch.now().seconds())) {
+            return false;
         }
         let stamp = info.timestamp();
         let delay = stamp.playback.saturating_duration_since(stamp.callback);

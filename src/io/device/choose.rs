@@ -56,8 +56,7 @@ impl Chosen {
         }
         let id = ALIASES.iter().find(|id| **id == found.id)?;
         let exact = "`pacinian walk` shows what arrives where; a card by its own name (hw:...), JACK and PipeWire are exact";
-        let serves = |server: &Server| server.runs && server.name != "JACK";
-        if channels <= NAMED && !Server::all().iter().any(serves) {
+        if channels <= NAMED && !Server::all().iter().any(Server::may_be_behind_alsa) {
             return None;
         }
         let does = match channels > NAMED {
@@ -117,6 +116,9 @@ impl Chosen {
 /// Names of ALSA's for the card, or the device of a server, that is the default.
 const ALIASES: [&str; 4] = ["alsa:default", "alsa:sysdefault", "alsa:pulse", "alsa:pipewire"];
 
+/// What cpal calls whatever PipeWire plays by default. It is named with the channels that it has, and is not mixed.
+const USUAL: [&str; 2] = ["pipewire:output_default", "pipewire:sink_default"];
+
 /// Channels that have a name behind those, where a server may be.
 const NAMED: usize = 8;
 
@@ -128,6 +130,10 @@ pub const VIRTUAL: &str = "virtual";
 
 /// What it is called where devices are listed.
 pub const VIRTUAL_NAME: &str = "virtual card";
+
+fn is_whatever_plays(id: &str) -> bool {
+    ALIASES.contains(&id) || USUAL.contains(&id)
+}
 
 fn is_virtual(name: &str) -> bool {
     [VIRTUAL, VIRTUAL_NAME].iter().any(|known| name.eq_ignore_ascii_case(known))
@@ -194,11 +200,10 @@ impl Wish {
                         Trouble::Missing => error.and(&format!("`{VIRTUAL}` is a card that is always there")),
                         _ => error,
                     })?;
-                // Who names a device means that one, whatever is played on by default; who names a host has named none, and ALSA has names for
-                // whatever plays by default as well.
+                // Who names a device means that one, whatever is played on by default; who names a host has named none, and ALSA and PipeWire have
+                // names for whatever plays by default as well.
                 let alone = name.strip_suffix(':').unwrap_or(name);
-                let default =
-                    found.host().eq_ignore_ascii_case(alone) || ALIASES.contains(&found.id.as_str());
+                let default = found.host().eq_ignore_ascii_case(alone) || is_whatever_plays(&found.id);
                 Ok(Chosen::Card(device.clone(), Found { default, ..found.clone() }))
             }
         }

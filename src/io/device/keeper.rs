@@ -12,8 +12,9 @@ use super::choose::{Chosen, again};
 use super::failure::{DeviceError, Trouble};
 use super::hosts::Hosts;
 use super::list::Found;
-use super::minder::{Bell, Minder, Pace, Pulse, Search, WATCH, bell, let_go};
+use super::minder::{Bell, Minder, Pace, Pulse, RUSH, Search, WATCH, bell, let_go};
 use super::returning::{Returning, Stand};
+use super::servers::Server;
 use super::virtual_card::VirtualCard;
 use super::watch::{Direction, Watch};
 use crate::live::board::Board;
@@ -65,6 +66,8 @@ struct Keeping {
     sought: Option<(Hosts, String)>,
     /// Whether it is what the system plays on where nobody says anything: its id may then lead to another device.
     default: bool,
+    /// Whether a server has run that may be behind a device of ALSA's.
+    served: bool,
     shape: Shape,
     board: Arc<Board>,
     playing: Playing,
@@ -81,6 +84,8 @@ struct Keeping {
     bell: Bell,
     pulse: Pulse,
     pace: Pace,
+    /// It computed ahead of time, and is given nothing before it keeps time again.
+    rushed: bool,
     search: Search,
     watch: Watch,
     /// The session is about to end.
@@ -105,6 +110,7 @@ impl Keeper {
         let mut keeping = Keeping {
             sought: None,
             default: false,
+            served: false,
             shape,
             board: Arc::clone(board),
             playing: Playing::Nothing,
@@ -117,6 +123,7 @@ impl Keeper {
             bell: bell.clone(),
             pulse: Pulse::new(),
             pace: Pace::begin(Instant::now(), board.frames.get()),
+            rushed: false,
             search: Search::new(),
             watch: Watch::default(),
             resting: Arc::default(),
@@ -134,6 +141,7 @@ impl Keeper {
                     keeping.news = Some(news);
                 }
                 keeping.default = found.may_be_another();
+                keeping.served = keeping.default && Server::all().iter().any(Server::may_be_behind_alsa);
                 keeping.watch = Watch::of(&found.id);
                 keeping.sought = Some((found.hosts, found.id));
             }
@@ -158,7 +166,7 @@ impl Keeping {
 
     /// Of a device that may pause at first: the clock begins when it does not any more.
     fn begin_late(&mut self, device: &Device, found: &Found, driver: Driver) -> Result<(), DeviceError> {
-        let mut first = Returning::open(device, found, self.shape, &self.board, &self.bell)?;
+        let mut first = Returning::open(device, found, self.shape, false, &self.board, &self.bell)?;
         loop {
             match first.stand(Instant::now()) {
                 Stand::Waits => std::thread::sleep(WATCH),
@@ -224,7 +232,14 @@ impl Keeping {
         if self.is_present() && pause > silent {
             self.lose("it does not ask for anything any more".into());
         }
-        if self.pace.is_lost(now, self.board.frames.get(), f64::from(self.shape.rate)) && self.is_present() {
+        let speed = self.pace.speed(now, self.board.frames.get(), f64::from(self.shape.rate));
+        let rushes = self.is_present() && speed.is_some_and(|speed| speed > RUSH);
+        if matches!(&self.playing, Playing::Card(card) if card.rushes()) {
+            self.rushed = true;
+            self.leave(
+                "JACK computes ahead of time (freewheel): it is waited for until it keeps time again".into(),
+            );
+        } else if rushes {
             self.leave("it takes what it is given as fast as it comes, so that nothing keeps time on it: it is not come back to".into());
             self.sought = None;
         }
@@ -258,9 +273,9 @@ impl Keeping {
     fn hear(&mut self, news: News) {
         match news {
             News::Lost(why) => self.lose(why),
-            // ALSA's device is opened as it was.
+            // ALSA's device is opened as it was, where no server can have made another of it.
             News::Broke(why) if self.sought.as_ref().is_some_and(|(_, id)| id.starts_with("alsa:")) => self
-                .leave(format!(
+                .break_off(format!(
                     "{why}: it was not fed in time, or its server let go of it; a larger --block helps"
                 )),
             // Whoever moves streams may have done so.
@@ -268,6 +283,12 @@ impl Keeping {
             News::Moved => self.moved(),
             News::Said(what) => (self.fate)(Fate::Said(what)),
         }
+    }
+
+    /// A device of ALSA's broke off. A server that ALSA hands a default to, and that dies, leaves it to whatever is there then.
+    fn break_off(&mut self, why: String) {
+        self.served |= Server::all().iter().any(Server::may_be_behind_alsa);
+        if self.served { self.lose(why) } else { self.leave(why) }
     }
 
     /// The device is gone. What the system plays on by default may be another by the time it is there again.
@@ -315,9 +336,9 @@ impl Keeping {
     fn find(&mut self) {
         let Some((hosts, id)) = &self.sought else { return };
         let found = again(hosts, id);
-        match found
-            .and_then(|(device, found)| Returning::open(&device, &found, self.shape, &self.board, &self.bell))
-        {
+        match found.and_then(|(device, found)| {
+            Returning::open(&device, &found, self.shape, self.rushed, &self.board, &self.bell)
+        }) {
             Ok(returning) => self.returning = Some(returning),
             // That it is away is known.
             Err(error) if error.kind == Trouble::Missing => {}
@@ -340,6 +361,7 @@ impl Keeping {
         driver.move_to(self.shape.block.unwrap_or(0) as usize, Order::Return);
         let (card, said, news) = returning.play(self.lend(*driver));
         (self.playing, self.news, self.trouble) = (Playing::Card(card), Some(news), None);
+        self.rushed = false;
         self.pulse.begin();
         self.watch.forget();
         self.board.away.set(self.board.absence().0);

@@ -146,7 +146,6 @@ pub(super) fn inputs(device: &Device) -> Result<Vec<SupportedStreamConfigRange>,
 }
 
 /// Of a default of PipeWire's, of which cpal does not know what it is now, with the channels that it has.
-#[cfg(all(feature = "pipewire", target_os = "linux"))]
 fn as_it_is(
     device: &Device,
     usual: impl Fn(&Device) -> Result<cpal::SupportedStreamConfig, cpal::Error>,
@@ -155,7 +154,7 @@ fn as_it_is(
     if ranges.is_empty() {
         return ranges;
     }
-    let own = super::pipewire_default::device(&id(device));
+    let own = own(device);
     let Some(channels) = own.and_then(|own| Some(usual(&own).ok()?.channels())) else { return ranges };
     let with = |range: SupportedStreamConfigRange| {
         let (least, most) = (range.min_sample_rate(), range.max_sample_rate());
@@ -164,13 +163,17 @@ fn as_it_is(
     ranges.into_iter().map(with).collect()
 }
 
-#[cfg(not(all(feature = "pipewire", target_os = "linux")))]
-fn as_it_is(
-    _: &Device,
-    _: impl Fn(&Device) -> Result<cpal::SupportedStreamConfig, cpal::Error>,
-    ranges: Vec<SupportedStreamConfigRange>,
-) -> Vec<SupportedStreamConfigRange> {
-    ranges
+/// The device that a default of PipeWire's is now.
+fn own(device: &Device) -> Option<Device> {
+    #[cfg(all(feature = "pipewire", target_os = "linux"))]
+    {
+        super::pipewire_default::device(&id(device))
+    }
+    #[cfg(not(all(feature = "pipewire", target_os = "linux")))]
+    {
+        let _ = device;
+        None
+    }
 }
 
 /// Looks at a device of `hosts`; `default` is the id of theirs that is played on where nobody says anything.

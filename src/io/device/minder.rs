@@ -120,8 +120,8 @@ const REGULAR: u32 = 10;
 const STALL: Duration = Duration::from_millis(60);
 
 /// So much faster than it plays a device may ask for frames, over so long: no buffer is that large.
-const RUSH: f64 = 10.0;
-const RUSH_FOR: Duration = Duration::from_millis(500);
+pub(super) const RUSH: f64 = 10.0;
+pub(super) const RUSH_FOR: Duration = Duration::from_millis(500);
 
 /// Whether a device takes what it is given as fast as it comes, so that nothing keeps time on it.
 pub(super) struct Pace {
@@ -135,14 +135,14 @@ impl Pace {
         Self { since: now, frames }
     }
 
-    /// Whether so many frames at `rate` are far more than there was time for.
-    pub fn is_lost(&mut self, now: Instant, frames: u64, rate: f64) -> bool {
+    /// How much faster than it plays it has asked for frames at `rate`, so many by now; `None` while nobody can tell yet.
+    pub fn speed(&mut self, now: Instant, frames: u64, rate: f64) -> Option<f64> {
         let time = now.saturating_duration_since(self.since);
         if time < RUSH_FOR {
-            return false;
+            return None;
         }
         let begun = std::mem::replace(self, Self::begin(now, frames));
-        frames.saturating_sub(begun.frames) as f64 > RUSH * rate * time.as_secs_f64()
+        Some(frames.saturating_sub(begun.frames) as f64 / (rate * time.as_secs_f64()))
     }
 }
 
@@ -270,7 +270,7 @@ pub(super) fn within<T: Send + 'static>(
 
 #[cfg(test)]
 mod tests {
-    use super::{Minder, PATIENCE, Pace, Pulse, SEARCH, SOON, STALL, Search, bell};
+    use super::{Minder, PATIENCE, Pace, Pulse, RUSH, SEARCH, SOON, STALL, Search, bell};
     use crate::io::device::card::News;
     use std::sync::mpsc::channel;
     use std::time::{Duration, Instant};
@@ -361,9 +361,12 @@ mod tests {
         let mut pace = Pace::begin(begin, 0);
         // Two seconds of a server's buffer at once, and then as it plays.
         let buffered = |ms: u64| 96_000 + 48 * ms;
-        assert!((1..200).all(|n| !pace.is_lost(at(20 * n), buffered(20 * n), 48e3)));
+        assert!(
+            (1..200).all(|n| pace.speed(at(20 * n), buffered(20 * n), 48e3).is_none_or(|speed| speed < RUSH))
+        );
         let mut pace = Pace::begin(begin, 0);
-        let rushes = (1..100).find(|n| pace.is_lost(at(20 * n), 1_000 * 48 * 20 * n, 48e3));
+        let rushes = (1..100)
+            .find(|n| pace.speed(at(20 * n), 1_000 * 48 * 20 * n, 48e3).is_some_and(|speed| speed > RUSH));
         assert_eq!(rushes, Some(25), "after half a second");
     }
 

@@ -1,6 +1,7 @@
 //! Sound cards, those that are there and one that is not.
 
 pub mod access;
+mod ahead;
 mod callers;
 pub mod capture;
 pub mod card;

@@ -26,7 +26,7 @@ pub fn latest() -> Priority {
 
 /// SCHED_FIFO's priority: above what else people run in real time, below the kernel's own threads.
 #[cfg(unix)]
-const FIFO: u8 = 60;
+const FIFO: u8 = if cfg!(target_vendor = "apple") { 47 } else { 60 };
 
 /// That of threads which bring those what they play: a busy machine must not make events late, nor they a callback.
 #[cfg(unix)]
@@ -35,6 +35,24 @@ const FEEDING: u8 = 40;
 /// Asks the system to let this thread run before all others. It is called once by each thread that plays, before it first does.
 pub fn raise() {
     LATEST.store(if rises() { 1 } else { 2 }, Ordering::Relaxed);
+}
+
+/// What a thread that a host's stream calls back in is to ask for. JACK gives its own what they are to have, below its server's, and so does macOS, which
+/// has more than a number for them.
+pub(super) fn of_host(host: &str) -> fn() {
+    if cfg!(target_vendor = "apple") {
+        return || LATEST.store(1, Ordering::Relaxed);
+    }
+    if host == "jack" { raise_unless_raised } else { raise }
+}
+
+/// As [`raise`], but of one that runs before others already, which is left as it is.
+fn raise_unless_raised() {
+    #[cfg(unix)]
+    if is_real_time() {
+        return LATEST.store(1, Ordering::Relaxed);
+    }
+    raise();
 }
 
 /// The same for a thread that only wants to know whether it may.
@@ -81,7 +99,29 @@ fn limit() -> Option<u64> {
 #[cfg(unix)]
 fn is_real_time() -> bool {
     use thread_priority::{ThreadSchedulePolicy, thread_schedule_policy};
+    #[cfg(target_os = "linux")]
+    if let Some(policy) = policy() {
+        return policy == FIRST_IN_FIRST_OUT || policy == ROUND_ROBIN;
+    }
     matches!(thread_schedule_policy(), Ok(ThreadSchedulePolicy::Realtime(_)))
+}
+
+/// SCHED_FIFO and SCHED_RR.
+#[cfg(target_os = "linux")]
+const FIRST_IN_FIRST_OUT: u32 = 1;
+#[cfg(target_os = "linux")]
+const ROUND_ROBIN: u32 = 2;
+
+/// By which policy this thread runs: field 41 of `/proc/thread-self/stat` (proc_pid_stat(5)). What the system's call gives has flags in it that a
+/// library which compares does not know: PipeWire sets that children are not to inherit it.
+#[cfg(target_os = "linux")]
+fn policy() -> Option<u32> {
+    use std::io::Read;
+    let mut bytes = [0; 1024];
+    let length = std::fs::File::open("/proc/thread-self/stat").ok()?.read(&mut bytes).ok()?;
+    let text = std::str::from_utf8(bytes.get(..length)?).ok()?;
+    // A name may have anything in it; behind its end stands field 3.
+    text.rsplit_once(')')?.1.split_ascii_whitespace().nth(41 - 3)?.parse().ok()
 }
 
 /// Whether the system lets this thread run before others, those aside that have more.
@@ -101,7 +141,7 @@ fn fifo(priority: u8) -> bool {
 mod tests {
     use thread_priority::{ThreadPriority, get_current_thread_priority, thread_schedule_policy};
 
-    use super::{FEEDING, FIFO, Priority, latest, limit, raise, raise_feeding, under};
+    use super::{FEEDING, FIFO, Priority, latest, limit, raise, raise_feeding, raise_unless_raised, under};
 
     #[test]
     fn where_there_is_less_what_plays_still_goes_before_what_feeds_it() {
@@ -138,6 +178,12 @@ mod tests {
                 raise_feeding();
             };
             assert_eq!(after(both), Some(plays), "one that plays is not put back");
+            let served = || {
+                raise_feeding();
+                raise_unless_raised();
+            };
+            assert_eq!(after(served), Some(feeds), "a server's is left where it is");
+            assert_eq!(after(raise_unless_raised), Some(plays), "and one that it has not raised is raised");
         }
     }
 }

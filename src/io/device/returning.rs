@@ -14,7 +14,7 @@ use ringbuf::{HeapCons, HeapProd, HeapRb};
 use super::card::{Card, Fill, News, Shape};
 use super::failure::DeviceError;
 use super::list::Found;
-use super::minder::{Bell, PATIENCE};
+use super::minder::{Bell, PATIENCE, RUSH_FOR};
 use crate::live::board::Board;
 use crate::live::driver::Driver;
 use crate::live::lent::Lent;
@@ -63,6 +63,8 @@ pub(super) struct Returning {
     card: Card,
     driver: HeapProd<Lent<Driver>>,
     asked: Arc<AtomicU32>,
+    /// Whether it was let go of since it kept no time.
+    rushed: bool,
     /// Blocks that had been asked for at the last look, and at how many looks there were more.
     last: u32,
     more: u32,
@@ -85,7 +87,7 @@ pub(super) enum Stand {
 }
 
 impl Returning {
-    /// Opens a device.
+    /// Opens a device; one that has `rushed` must keep time first.
     ///
     /// # Errors
     /// As [`Card::open`].
@@ -93,6 +95,7 @@ impl Returning {
         device: &Device,
         found: &Found,
         shape: Shape,
+        rushed: bool,
         board: &Arc<Board>,
         bell: &Bell,
     ) -> Result<Self, DeviceError> {
@@ -103,7 +106,7 @@ impl Returning {
         let card = Card::open(device, found, shape.again(found.output.as_ref()), waiting, board, tell)?;
         let due = if found.pulse().is_some() { GOES_ON } else { 1 };
         let since = Instant::now();
-        Ok(Self { card, driver, asked, last: 0, more: 0, due, since, news, said: Vec::new() })
+        Ok(Self { card, driver, asked, rushed, last: 0, more: 0, due, since, news, said: Vec::new() })
     }
 
     /// How it stands at a moment.
@@ -113,6 +116,13 @@ impl Returning {
                 News::Lost(why) | News::Broke(why) => return Stand::Fails(why),
                 other => self.said.push(other),
             }
+        }
+        if self.card.rushes() {
+            self.since = now;
+            return Stand::Waits;
+        }
+        if self.rushed && now.saturating_duration_since(self.since) < RUSH_FOR {
+            return Stand::Waits;
         }
         let asked = self.asked.load(Ordering::Relaxed);
         self.more += u32::from(asked != self.last);

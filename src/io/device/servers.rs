@@ -33,6 +33,11 @@ impl Server {
         Self::all().into_iter().find(is)
     }
 
+    /// Whether it runs and ALSA may hand its devices to it.
+    pub fn may_be_behind_alsa(&self) -> bool {
+        self.runs && self.name != "JACK"
+    }
+
     /// Whether it is the sound system of that name.
     pub fn is(&self, host: &str) -> bool {
         self.name.eq_ignore_ascii_case(host)

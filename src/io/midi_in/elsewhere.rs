@@ -1,7 +1,7 @@
 //! Ports where midir leads to them: macOS, Windows and others. Nobody says when one comes or goes.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use midir::{Ignore, MidiInput, MidiInputConnection};
 
@@ -52,6 +52,11 @@ impl System {
     /// Never.
     pub fn is_over(&self) -> bool {
         false
+    }
+
+    /// How far ahead of now what it hands on may be.
+    pub fn ahead(&self) -> Duration {
+        Duration::ZERO
     }
 
     /// Nobody says.

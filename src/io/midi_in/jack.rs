@@ -252,6 +252,12 @@ impl System {
         self.over.load(Ordering::Acquire) || self.stay.is_dead()
     }
 
+    /// How far ahead of now what it hands on may be: a period.
+    pub fn ahead(&self) -> Duration {
+        let client = self.client.as_client();
+        Duration::from_secs_f64(f64::from(client.buffer_size()) / f64::from(client.sample_rate().max(1)))
+    }
+
     /// Ports that were connected and are not any more, though another may have their names.
     pub fn lost(&self) -> Vec<String> {
         let lost = std::mem::take(&mut *self.lost.lock().unwrap_or_else(PoisonError::into_inner));

@@ -36,6 +36,8 @@ pub(super) struct Ports {
     open: Vec<Open>,
     refused: Vec<Refused>,
     roster: Roster,
+    /// How far ahead of now what comes may be.
+    ahead: Duration,
     /// Whether it was told that there is no MIDI.
     without: bool,
     /// Whether it was told that none has the name, or one had it.
@@ -59,6 +61,7 @@ impl Ports {
             open: Vec::new(),
             refused: Vec::new(),
             roster: Roster::default(),
+            ahead: Duration::ZERO,
             without: false,
             known: false,
         }
@@ -73,6 +76,7 @@ impl Ports {
 
     /// Lets go of ports that are gone, or were, whoever has their ids now, and opens those that are new.
     pub fn look(&mut self, system: &mut System) {
+        self.ahead = system.ahead();
         let lost = system.lost();
         let there = match system.sources() {
             Ok(there) => there,
@@ -111,14 +115,19 @@ impl Ports {
     /// Nobody listens to them any more, which is no news.
     pub fn close(&self) {
         for port in &self.open {
-            (self.ear)(port.number, &port.shared, Word::Closed, Instant::now());
+            (self.ear)(port.number, &port.shared, Word::Closed, self.end());
         }
+    }
+
+    /// When what comes has come: a key that went up before it went down would sound for ever.
+    fn end(&self) -> Instant {
+        Instant::now() + self.ahead
     }
 
     /// Tells that a port is gone.
     fn let_go(&mut self, port: Open) {
         self.roster.leave(&port.source.id);
-        (self.ear)(port.number, &port.shared, Word::End, Instant::now());
+        (self.ear)(port.number, &port.shared, Word::End, self.end());
         (self.news)(PortNews::Gone(port.source.name));
     }
 

@@ -1,5 +1,7 @@
 //! What is felt on a channel when it is its turn: a tone, or a short turn of a motor, that suits its actuator and cannot harm it.
 
+use std::f64::consts::SQRT_2;
+
 use crate::rig::{Output, OutputKind, Rig, Shaping};
 use crate::text::Problems;
 use crate::{Note, Patch, Place};
@@ -22,6 +24,9 @@ const BAND: [f64; 2] = [30.0, 500.0];
 /// Of what an actuator is rated for, at most.
 const SHARE: f64 = 0.5;
 
+/// The level where there is a rating, and nothing says what of it a sample makes.
+const CAUTIOUS: f64 = 0.05;
+
 /// Seconds that a motor turns, at most.
 const TURN: f64 = 0.3;
 
@@ -41,6 +46,8 @@ pub enum Deed {
 pub enum Lowered {
     /// The actuator gets half of what it is rated for.
     Rated,
+    /// Of what it is rated for, nothing says at which level it gets that.
+    Unknown,
     /// The rig lets no more out.
     MaxLevel,
 }
@@ -120,15 +127,19 @@ pub fn probes(rig: &Rig, level: f64, all: bool) -> Vec<Probe> {
             _ => {
                 let (deed, most) = match output.map(|output| &output.kind) {
                     Some(OutputKind::Drive(turning)) if turning.shaping == Shaping::Clicks => {
-                        (Deed::Click, Some(SHARE))
+                        (Deed::Click, Some(Most::Level(SHARE)))
                     }
-                    Some(OutputKind::Drive(_)) => (Deed::Turn, Some(SHARE)),
+                    Some(OutputKind::Drive(_)) => (Deed::Turn, Some(Most::Level(SHARE))),
                     _ => (
                         Deed::Tone(output.map_or(USUAL, |output| frequency(rig, output))),
                         output.and_then(|output| bearable(rig, output)),
                     ),
                 };
-                let bearable = most.unwrap_or(f64::INFINITY);
+                let bearable = match most {
+                    Some(Most::Level(level)) => level,
+                    Some(Most::Unknown) => CAUTIOUS,
+                    None => f64::INFINITY,
+                };
                 let leaves = match deed {
                     Deed::Tone(_) => output.map_or(rig.device.max_level, |o| rig.max_level(o) / o.gain),
                     // What a motor may be given is a part of its drive.
@@ -136,6 +147,7 @@ pub fn probes(rig: &Rig, level: f64, all: bool) -> Vec<Probe> {
                 };
                 let lowered = match () {
                     () if leaves < bearable.min(level) => Some(Lowered::MaxLevel),
+                    () if bearable < level && most == Some(Most::Unknown) => Some(Lowered::Unknown),
                     () if bearable < level => Some(Lowered::Rated),
                     () => None,
                 };
@@ -164,19 +176,32 @@ fn frequency(rig: &Rig, output: &Output) -> f64 {
     resonance.map_or(USUAL, |hertz| hertz.clamp(BAND[0], BAND[1]))
 }
 
-/// The level at which its actuator gets half of what it is rated for, where the rig says enough to know.
-fn bearable(rig: &Rig, output: &Output) -> Option<f64> {
+/// How loud a probe may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Most {
+    Level(f64),
+    /// There is a limit, and nobody can tell at which level that is.
+    Unknown,
+}
+
+/// The level at which its actuator gets half of what it is rated for, where the rig says enough to know; `None` where nothing is said of that.
+fn bearable(rig: &Rig, output: &Output) -> Option<Most> {
     let actuator = rig.actuator(output.actuator.as_ref()?)?;
-    let amplifier = output.amplifier.as_ref().map(|name| rig.amplifier(name));
-    let gain = match amplifier {
-        None => 1.0,
-        Some(amplifier) => amplifier?.gain,
+    let least = |of: [Option<f64>; 3]| of.into_iter().flatten().min_by(f64::total_cmp);
+    let rms = |key: &str| actuator.value(key).map(|rms| rms * SQRT_2);
+    let volts = least([actuator.value("rated_volts"), actuator.value("max_volts"), rms("max_rms_volts")]);
+    let flows = volts.zip(actuator.value("resistance")).map(|(volts, ohms)| volts / ohms);
+    let amperes = least([flows, actuator.value("max_amperes"), rms("max_rms_amperes")]);
+    let known = [rig.volts_per_sample(output).zip(volts), rig.amperes_per_sample(output).zip(amperes)];
+    let Some((scale, bears)) = known.into_iter().flatten().next() else {
+        // What a full scale is has to be known before anybody can ask.
+        let rated = volts.or(amperes).is_some() && rig.device.full_scale_volts.is_some();
+        return rated.then_some(Most::Unknown);
     };
     // As if all its peaks were at the frequency of the probe.
     let lifted: f64 = actuator.equaliser.iter().map(|peak| peak.gain_db.max(0.0)).sum();
-    let volts = rig.device.full_scale_volts? * gain * output.gain * 10_f64.powf(lifted / 20.0);
-    let most = SHARE * actuator.value("rated_volts")? / volts;
-    most.is_finite().then_some(most)
+    let most = SHARE * bears / (scale * output.gain.abs() * 10_f64.powf(lifted / 20.0));
+    most.is_finite().then_some(Most::Level(most))
 }
 
 #[cfg(test)]
@@ -225,6 +250,33 @@ mod tests {
             told,
             [(0.08, most), (0.16, most), (0.5, Some(Lowered::Rated)), (0.08, most), (0.08, most)]
         );
+    }
+
+    /// A tactor for 2 V (peak) behind each amplifier: half of that is the most, whichever way it is wired, and at a current what of that flows
+    /// through its 8 ohm; less yet where it bears less. Where nobody can tell, it is little.
+    #[test]
+    fn half_of_what_it_is_rated_for_is_that_at_a_current_and_upside_down_as_well() {
+        let coil = "model = \"voice-coil\"\nresonance = 100\nresistance = 8\n";
+        let current = "drive = \"current\"";
+        for (gain, drive, more, wanted) in [
+            (5, "", "", 0.1),
+            (-5, "", "", 0.1),
+            (5, "", "max_rms_volts = 1", 0.1 * std::f64::consts::FRAC_1_SQRT_2),
+            (1, current, coil, 0.0625),
+            (-1, current, "max_amperes = 0.2", 0.05),
+            (1, current, "max_rms_amperes = 0.1", 0.025 * std::f64::consts::SQRT_2),
+            (1, current, "", 0.05),
+        ] {
+            let text = format!(
+                "format = \"pacinian-rig/1\"\n[device]\nchannels = 1\nfull_scale_volts = 2.0\n[amplifier.a]\ngain = {gain}\n{drive}\n\
+                 [actuator.t]\nrated_volts = 2\n{more}\n[[tactor]]\nname = \"t\"\nchannel = 1\nactuator = \"t\"\namplifier = \"a\"\n"
+            );
+            let rig = Rig::parse("r", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+            let probe = &probes(&rig, 0.9, false)[0];
+            assert!((probe.level / wanted - 1.0).abs() < 1e-9, "{gain} {drive} {more}: {probe:?}");
+            let told = if drive.is_empty() || !more.is_empty() { Lowered::Rated } else { Lowered::Unknown };
+            assert_eq!(probe.lowered, Some(told), "{gain} {drive} {more}");
+        }
     }
 
     /// What goes out while one channel has its turn: its tone and no more, and nothing on what is no skin's.
