@@ -612,3 +612,41 @@ fn a_song_is_played_as_it_is_rendered() {
     let again = room.run(&["replay", "played.csv", "--against", "played.wav", "-o", "again.wav"]);
     assert!(again.status.success(), "{}", text(&again.stderr));
 }
+
+/// What gains, rates and beats make of an event may be more than a file may say of one.
+#[test]
+fn events_beyond_what_a_file_may_say_are_played_again() {
+    let room = Room::new("beyond");
+    let patch = r#"format = "pacinian-patch/1"
+title = "Beyond"
+[voice.v]
+output = "o"
+[voice.v.nodes]
+s = { type = "sine", frequency = 90 }
+o = { type = "multiply", inputs = ["s", 0.001] }
+[pattern.inner]
+events = [{ at = 0.0, voice = "v", level = 90, duration = 1e6 }]
+[pattern.p]
+events = [{ at = 0.0, pattern = "inner", gain = 5, rate = 0.25 }]
+"#;
+    std::fs::write(room.0.join("p.toml"), patch).unwrap();
+    let play = ["play", "p.toml", "--device", "virtual", "--duration", "0.3", "--pattern", "p"];
+    let kept = room.run(&[&play[..], &["--record", "s.wav", "--events", "s.jsonl"]].concat());
+    assert!(kept.status.success(), "{}", text(&kept.stderr));
+    let journal = std::fs::read_to_string(room.0.join("s.jsonl")).unwrap();
+    let voice = journal.lines().find(|line| line.contains("\"kind\":\"voice\"")).unwrap();
+    let voice: serde_json::Value = serde_json::from_str(voice).unwrap();
+    assert_eq!((voice["level"].as_f64(), voice["duration"].as_f64()), (Some(450.0), Some(4e6)), "{voice}");
+    let again = room.run(&["replay", "s.jsonl", "--against", "s.wav"]);
+    assert!(
+        text(&again.stdout).contains("the same, to the bit"),
+        "{}{}",
+        text(&again.stdout),
+        text(&again.stderr)
+    );
+    // What no pattern can come to is no session's.
+    let other = journal.replace("\"level\":450.0", "\"level\":1e300");
+    assert_ne!(other, journal);
+    std::fs::write(room.0.join("t.jsonl"), other).unwrap();
+    fails(&room.run(&["replay", "t.jsonl"]), 65, "level");
+}

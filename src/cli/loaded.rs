@@ -5,7 +5,11 @@ use super::named::Codes;
 use super::provenance::provenance;
 use super::setting::Setting;
 use pacinian::graph::scene::{Options, scene};
-use pacinian::io::{assets::Folder, calibrations, events, input::Input};
+use pacinian::io::{
+    assets::{Folder, recordings_rate},
+    calibrations, events,
+    input::Input,
+};
 use pacinian::live::reload::Reload;
 use pacinian::midi::file::Song;
 use pacinian::patch::Patch;
@@ -159,7 +163,12 @@ impl Loaded {
     }
 
     /// Compiled, ready to take over; with what a journal says of it, if there is one.
-    pub fn reload(&self, options: &Options, journalled: bool) -> Result<Reload, Failure> {
+    pub fn reload(&mut self, options: &Options, journalled: bool) -> Result<Reload, Failure> {
+        // Nobody knew the device's rate when the folder was opened.
+        let rate = options.rate.map(recordings_rate);
+        if let Some(folder) = rate.and_then(|rate| self.folder.at_other_rate(rate)) {
+            self.folder = Arc::new(folder);
+        }
         let refuse = |problems: Problems| self.refuse(problems.list, &Codes::new());
         let scene = scene(&self.patch, &self.rig, options, &*self.folder).map_err(refuse)?;
         let provenance = journalled.then(|| provenance(self, options)).transpose()?;

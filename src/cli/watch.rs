@@ -185,10 +185,10 @@ impl Watcher {
                 self.in_vain(format!("{why}; {help}"));
                 News::Kept(why, help)
             }
-            Ok(Ok((loaded, reload))) => {
+            Ok(Ok((mut loaded, reload))) => {
                 let first = reload.scene.patterns.clone();
                 let effects = reload.scene.plan.knob.as_ref().map(|knob| knob.setup.effects.clone());
-                match self.send(&loaded, reload)? {
+                match self.send(&mut loaded, reload)? {
                     Ok(Ok(())) => News::Took(loaded, first, changed, effects.unwrap_or_default()),
                     // The session has said so itself.
                     Ok(Err(why)) => News::Kept(why, AGAIN.into()),
@@ -211,7 +211,7 @@ impl Watcher {
     }
 
     /// Sends it to the session and waits for the answer; `None` when the session is over.
-    fn send(&self, loaded: &Loaded, mut reload: Reload) -> Option<Result<Verdict, Failure>> {
+    fn send(&self, loaded: &mut Loaded, mut reload: Reload) -> Option<Result<Verdict, Failure>> {
         loop {
             match self.session.send(Signal::Reload(Box::new(reload))) {
                 Ok(()) => break,
@@ -242,7 +242,7 @@ type Compiled = Result<(Box<Loaded>, Reload), (String, String)>;
 
 impl Course {
     /// Compiles it for the session, or says why it needs another.
-    fn compile(&self, loaded: Loaded) -> Result<Compiled, Failure> {
+    fn compile(&self, mut loaded: Loaded) -> Result<Compiled, Failure> {
         let device = &loaded.rig.device;
         let of = |file: &str, why: String| {
             let why = if file.is_empty() { why } else { format!("{}: {why}", escaped(file)) };
@@ -273,9 +273,10 @@ impl Course {
                 false => of(&loaded.patch.origin.file, format!("the patch needs {began}")),
             };
         }
-        let reload = self.reload(&loaded)?;
+        let hears = !by_rig || device.input.is_some();
+        let reload = self.reload(&mut loaded)?;
         let unheard = reload.scene.plan.inputs().into_iter().find(|channel| !self.heard.contains(channel));
-        if let Some(channel) = unheard.filter(|_| !by_rig || device.input.is_some()) {
+        if let Some(channel) = unheard.filter(|_| hears) {
             let why = format!(
                 "the patch listens to channel {} of the input, and the session does not",
                 channel + 1
@@ -286,8 +287,9 @@ impl Course {
     }
 
     /// Ready to take over, with its recordings kept.
-    fn reload(&self, loaded: &Loaded) -> Result<Reload, Failure> {
-        let reload = loaded.reload(&self.options(loaded), self.files.is_some())?;
+    fn reload(&self, loaded: &mut Loaded) -> Result<Reload, Failure> {
+        let options = self.options(loaded);
+        let reload = loaded.reload(&options, self.files.is_some())?;
         if let Some((files, made_of)) = self.files.as_ref().zip(reload.provenance.as_ref()) {
             files.keep(&loaded.folder, &loaded.patch, made_of)?;
         }

@@ -10,7 +10,7 @@ use ringbuf::traits::{Consumer, Producer, Split};
 use ringbuf::{HeapCons, HeapProd};
 
 use super::Engine;
-use super::handover::{Handover, Mismatch, Passage, prepare};
+use super::handover::{Handover, Mismatch, Passage, listens, prepare};
 use crate::graph::plan::Plan;
 
 /// Bytes of the past of delays that are copied ahead with each engine sample: at 8 kHz, about a sixtieth of the time of one that are not in the caches.
@@ -19,6 +19,8 @@ const AHEAD: usize = 1 << 12;
 /// The control thread's end: sends new plans.
 pub struct Director {
     plan: Plan,
+    /// Channels of an input that the engine hears, from its beginning on.
+    hears: usize,
     out: HeapProd<Box<Handover>>,
     back: HeapCons<Box<Handover>>,
     /// What is under way.
@@ -42,7 +44,7 @@ pub fn exchange(plan: &Plan) -> Result<(Director, Stagehand), super::refusal::Re
     let engine = Engine::new(plan)?;
     let (out, new) = HeapRb::new(1).split();
     let (old, back) = HeapRb::new(1).split();
-    let director = Director { plan: plan.clone(), out, back, passage: None };
+    let director = Director { plan: plan.clone(), hears: listens(plan), out, back, passage: None };
     Ok((director, Stagehand { engine, new, old, coming: None, leaving: None }))
 }
 
@@ -68,7 +70,7 @@ impl Director {
         if self.collect() > 0 {
             return Ok(false);
         }
-        let handover = Box::new(prepare(&self.plan, plan)?);
+        let handover = Box::new(prepare(&self.plan, plan, self.hears)?);
         let passage = Arc::clone(&handover.passage);
         let sent = self.out.try_push(handover).is_ok();
         if sent {
@@ -158,5 +160,37 @@ impl Stagehand {
         {
             self.leaving = Some(old);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Mismatch, exchange};
+    use crate::graph::scene::{Options, scene};
+    use crate::node::asset::NoAssets;
+    use crate::patch::Patch;
+    use crate::rig::Rig;
+
+    /// A patch that listens no more for a while may listen again as far as the first did: the engine has heard all along.
+    #[test]
+    fn what_was_listened_to_from_the_beginning_may_be_again() {
+        let plan = |node: &str| {
+            let text = format!(
+                "format = \"pacinian-patch/1\"\ntitle = \"t\"\n[voice.v]\nstart = \"always\"\noutput = \"o\"\nnodes.o = {{ {node} }}\n"
+            );
+            let patch = Patch::parse("t", text.as_bytes()).unwrap_or_else(|p| panic!("{p}")).value;
+            scene(&patch, &Rig::default_for(1), &Options::default(), &NoAssets)
+                .unwrap_or_else(|p| panic!("{p}"))
+                .plan
+        };
+        let listens = |channel: u32| plan(&format!("type = \"input\", channel = {channel}"));
+        let (mut director, mut stagehand) = exchange(&listens(2)).unwrap();
+        for next in [plan("type = \"sine\", frequency = 100"), listens(1), listens(2)] {
+            assert!(matches!(director.send(&next), Ok(true)));
+            for _ in 0..100 {
+                stagehand.process(&[0.25; 2 * 480], &mut [0.0; 480]);
+            }
+        }
+        assert!(matches!(director.send(&listens(3)), Err(Mismatch::Inputs)));
     }
 }

@@ -31,6 +31,25 @@ impl Plan {
     /// A voice that the plan does not have, a field that the voice does not declare, or a value that no event of a patch may have: levels
     /// are 0 to 100, `felt` -60 to 120 dB, durations 0 to 1e6 s or infinite, fields of its own within ±1e9.
     pub fn play(&self, voice: &str, fields: &[(&str, f64)]) -> Result<Play, Problem> {
+        self.play_within(voice, fields, limits)
+    }
+
+    /// What a pattern has played, whose gains, rates and beats make more of an event than a file may say.
+    #[cfg(feature = "live")]
+    pub(crate) fn played(&self, voice: &str, fields: &[(&str, f64)]) -> Result<Play, Problem> {
+        self.play_within(voice, fields, |field| match field {
+            "level" => limits(""),
+            "duration" => [0.0, f64::MAX],
+            other => limits(other),
+        })
+    }
+
+    fn play_within(
+        &self,
+        voice: &str,
+        fields: &[(&str, f64)],
+        limits: impl Fn(&str) -> [f64; 2],
+    ) -> Result<Play, Problem> {
         let index = find("voice", voice, self.instruments.iter().map(|i| &*i.name))?;
         let instrument = &self.instruments[index];
         let mut play = held(index, instrument);

@@ -102,6 +102,20 @@ impl Folder {
         self
     }
 
+    /// The same folder, which brings its recordings to another rate, unless that is its own.
+    #[cfg(feature = "live")]
+    pub fn at_other_rate(&self, rate: f64) -> Option<Self> {
+        (self.rate != Some(rate)).then(|| Self {
+            root: self.root.clone(),
+            allow_outside: self.allow_outside,
+            rate: Some(rate),
+            held: self.held,
+            instead: self.instead.clone(),
+            digest: self.digest,
+            loaded: Mutex::default(),
+        })
+    }
+
     /// The folder, as it was given.
     pub fn root(&self) -> &Path {
         &self.root

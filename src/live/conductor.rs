@@ -3,7 +3,9 @@
 //! It turns the moments at which signals arrived into frames, lets the performer make events of them, and sends those to the
 //! callback ahead of their time. It compiles nothing and waits for nothing but signals.
 
-use std::collections::{BTreeMap, HashMap, VecDeque};
+mod voices;
+
+use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -25,6 +27,7 @@ use crate::engine::exchange::Director;
 use crate::performer::{Callings, Outlet, Performer, When};
 use crate::schedule::Instant;
 use crate::text::Problem;
+use voices::{Known, Voices};
 
 /// Seconds that patterns are sent ahead, beyond the block that is computed next.
 const AHEAD: f64 = 0.05;
@@ -47,9 +50,6 @@ const BLOCKS: f64 = 4.0;
 
 /// Room in each ring to the callback that is for what lets go alone.
 const LETTING_GO: usize = 1 << 10;
-
-/// Voices that can still be released by their numbers.
-const REMEMBERED: usize = 1 << 14;
 
 /// What a conductor tells of.
 #[derive(Debug)]
@@ -97,7 +97,7 @@ pub struct Conductor {
     /// Whoever spoke last through a port of MIDI.
     ports: HashMap<u16, Arc<str>>,
     /// The performer's ids and serial numbers by those that handles gave out.
-    voices: BTreeMap<u64, u64>,
+    voices: Voices,
     patterns: HashMap<u64, u64>,
     /// The serial numbers of the patterns that it told of last.
     playing: Vec<u64>,
@@ -178,7 +178,7 @@ impl Conductor {
             audience,
             watch: Watch::default(),
             ports: HashMap::new(),
-            voices: BTreeMap::new(),
+            voices: Voices::default(),
             patterns: HashMap::new(),
             playing: Vec::new(),
             callings,
@@ -328,14 +328,13 @@ impl Conductor {
         let board = Arc::clone(&self.board);
         let lost = self.watch.look(&board.cables, self.epoch.now(), board.midi.gaps.get());
         for port in lost {
-            self.lose(port);
+            self.lose(port, self.now());
         }
     }
 
     /// A cable is lost: nobody is there who could stop what it moves.
-    fn lose(&mut self, port: u16) {
+    fn lose(&mut self, port: u16, at: When) {
         (self.audience)(Told::Lost(port, self.ports.get(&port).map(|name| &**name)));
-        let at = self.now();
         self.shut(at, 0);
         let mut outlet =
             ToCallback { rings: &mut self.rings, clock: self.board.clock.get(), plan: self.plan, cause: 0 };
@@ -353,7 +352,9 @@ impl Conductor {
         let clock = self.board.clock.get();
         let mut outlet = ToCallback { rings: &mut self.rings, clock, plan: self.plan, cause };
         self.performer.stop_patterns(at, &mut outlet);
-        self.voices.clear();
+        for Known { id, onset, .. } in self.voices.clear(at) {
+            self.performer.release(onset, id, &mut outlet);
+        }
         if self.performer.plan().sensor().is_some() {
             self.performer.torque(at, false, &mut outlet);
         }
@@ -425,26 +426,24 @@ impl Conductor {
         let has_knob = plan.knob.is_some();
         let done = match signal {
             Signal::Play(number, voice, note) => self.performer.play(at, &voice, &note, outlet).map(|id| {
-                // Numbers come in order. Whoever has let go of none for so long has no use for the oldest.
-                if self.voices.len() >= REMEMBERED {
-                    self.voices.pop_first();
-                }
-                self.voices.insert(number, id);
+                let until = at.seconds + self.performer.lasts(&voice, &note);
+                self.voices.note(number, Known { id, onset: at, until }, clock as f64 / self.rate);
             }),
-            Signal::Touch(number, touch) => match self.voices.get(&number) {
-                Some(id) => self.performer.touch(at, *id, touch, outlet),
-                None => Ok(()),
-            },
-            Signal::Release(number) => match self.voices.remove(&number) {
-                Some(id) => {
-                    self.performer.release(at, id, outlet);
-                    Ok(())
+            Signal::Touch(number, touch) => self.voices.find(number).and_then(|known| {
+                let Some(Known { id, onset, .. }) = known else { return Ok(()) };
+                self.performer.touch(at.no_earlier(onset), id, touch, outlet)
+            }),
+            Signal::Release(number) => self.voices.take(number).map(|known| {
+                // One that has yet to begin ends where it does.
+                if let Some(Known { id, onset, .. }) = known {
+                    self.performer.release(at.no_earlier(onset), id, outlet);
                 }
-                None => Ok(()),
-            },
+            }),
             Signal::ReleaseAll => {
-                self.voices.clear();
                 self.performer.release_all(at, outlet);
+                for Known { id, onset, .. } in self.voices.clear(at) {
+                    self.performer.release(onset, id, outlet);
+                }
                 Ok(())
             }
             Signal::Set(control, value) => self.performer.set_by(at, now, &control, value, outlet),
@@ -471,7 +470,7 @@ impl Conductor {
                 self.performer.midi(at, port, message, outlet)
             }
             Signal::MidiGone(port) if self.board.cables.take_promise(port) => {
-                self.lose(port);
+                self.lose(port, at);
                 Ok(())
             }
             Signal::MidiGone(port) => self.performer.midi_gone(at, port, outlet),

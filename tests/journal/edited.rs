@@ -116,6 +116,9 @@ fn a_journal_that_breaks_off_is_played_up_to_the_last_that_it_tells_of() {
     let Line { frame, .. } = serde_json::from_str(until[clock]).unwrap();
     let met = outcome(&(until.join("\n") + "\n")).unwrap();
     assert!(!met.ended && met.frames == frame.unwrap() && met.frames > 4_800, "{met:?} {frame:?}");
+    // What is noticed beside the callback says nothing of what that had done by then.
+    let gap = format!("{{\"kind\":\"xrun\",\"frame\":{},\"value\":1}}\n", met.frames + 700);
+    assert_eq!(outcome(&(until.join("\n") + "\n" + &gap)).unwrap().frames, met.frames);
     // A voice that is there from the beginning sounds all that time.
     let reader = Reader::new(Cursor::new(until.join("\n") + "\n"), "s.jsonl");
     let mut replay = Replay::new(reader, Recordings::default()).unwrap();

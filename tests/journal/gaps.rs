@@ -1,4 +1,6 @@
 use pacinian::io::device::choose::Chosen;
+use pacinian::io::device::keeper::Fate;
+use pacinian::io::journal::reader::{Item, Reader};
 use pacinian::io::journal::{Journal, Kind};
 use pacinian::io::session::{Beginning, Session};
 
@@ -45,5 +47,31 @@ fn where_blocks_came_too_late_is_written_down() {
     assert!(input[0].value == Some(1.0) && input[0].frame.unwrap() >= 9_600 && input[0].seconds.is_some());
     let (_, met) = replayed(&path);
     assert!(met.ended && met.lost == 0, "{met:?}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// A device that is listened to may say something before the session has begun: it stands behind what tells of that.
+#[test]
+fn what_a_device_says_too_soon_stands_behind_the_head() {
+    let folder = folder("soon");
+    let path = folder.join("s.jsonl");
+    let first = reload(PATCH);
+    let journal = Journal::create(&path, setting(), &first.scene.plan, first.provenance.as_deref()).unwrap();
+    journal.input_fate(&Fate::Said("early".into()));
+    let is_told = journal.clone();
+    let mut session = Session::start(Beginning {
+        block: Some(64),
+        audience: Box::new(move |told| is_told.told(&told)),
+        ..Beginning::of(first, Chosen::Virtual(None))
+    })
+    .unwrap();
+    until(&session, 2_400);
+    session.stop();
+    assert_eq!(journal.finish().unwrap(), 0);
+    let head = Reader::open(&path).unwrap().read().unwrap();
+    assert!(matches!(head, Some(Item::Session(_))), "{head:?}");
+    let all = lines(&path);
+    let said: Vec<_> = all.iter().filter(|line| line.kind == Kind::Device).collect();
+    assert!(matches!(said[..], [line] if line.message.as_deref() == Some("early")), "{said:?}");
     std::fs::remove_dir_all(&folder).unwrap();
 }

@@ -48,7 +48,7 @@ impl Prepared {
             device = Some(chosen);
         }
         // However long it plays, all of an input may be heard.
-        let loaded = scene.load(true, Some(play.duration.unwrap_or(FOREVER)))?;
+        let mut loaded = scene.load(true, Some(play.duration.unwrap_or(FOREVER)))?;
         for warnings in &loaded.warnings {
             terminal.note(&problems::shown(warnings, terminal));
         }

@@ -88,6 +88,8 @@ struct Keeping {
     chronicle: Chronicle,
     plans: u64,
     first: Option<(PlanHead, f64, usize)>,
+    /// What came before the session began.
+    early: Vec<Line>,
     heard: Option<(u64, String)>,
     /// Gaps of the device and of the input that stand there.
     gaps: [u64; 2],
@@ -126,6 +128,7 @@ impl Journal {
             chronicle: Chronicle::of(plan),
             plans: 1,
             first: Some((plan_head(0, plan, made_of), plan.device_rate, plan.channels)),
+            early: Vec::new(),
             heard: None,
             gaps: [0; 2],
             counted: BTreeMap::new(),
@@ -149,7 +152,7 @@ impl Journal {
     pub fn hear(&self, heard: &Heard<'_>) {
         let mut keeping = self.get();
         if let Some(line) = keeping.chronicle.hear(heard) {
-            keeping.writer.put(Entry::Line(Box::new(line)));
+            keeping.put(line);
         }
     }
 
@@ -167,7 +170,7 @@ impl Journal {
             _ => {}
         }
         if let Some(line) = line {
-            keeping.writer.put(Entry::Line(Box::new(line)));
+            keeping.put(line);
         }
     }
 
@@ -191,7 +194,7 @@ impl Journal {
         };
         let mut keeping = self.get();
         let line = Line { name: Some(format!("{of}{name}")), message, ..keeping.chronicle.now(Kind::Device) };
-        keeping.writer.put(Entry::Line(Box::new(line)));
+        keeping.put(line);
     }
 
     /// Writes where blocks came too late since this was called last; to be called often.
@@ -207,7 +210,7 @@ impl Journal {
                 let (frame, value) = (Some(at.get()), Some(new as f64));
                 let line =
                     Line { name: name.map(String::from), frame, value, ..keeping.chronicle.now(Kind::Xrun) };
-                keeping.writer.put(Entry::Line(Box::new(line)));
+                keeping.put(line);
             }
         }
     }
@@ -225,7 +228,7 @@ impl Journal {
             line.fields.insert("rate".into(), 1.0 / moment.frame);
         }
         line.fields.extend(counters(&keeping.chronicle.board));
-        keeping.writer.put(Entry::Line(Box::new(line)));
+        keeping.put(line);
     }
 
     /// What was heard has been recorded: so many frames, with this digest of their samples ([`Digest::samples`]). It is written with the
@@ -259,7 +262,7 @@ impl Journal {
             line.fields.insert(INPUT_FRAMES.into(), frames as f64);
             line.message = Some(sha256);
         }
-        keeping.writer.put(Entry::Line(Box::new(line)));
+        keeping.put(line);
         let untold = keeping.chronicle.board.untold.get();
         keeping.writer.finish().map(|lost| lost + untold)
     }
@@ -335,6 +338,16 @@ impl Keeping {
         };
         self.writer.put(Entry::Head(Box::new(head)));
         self.writer.put(Entry::Plan(Box::new(plan)));
+        std::mem::take(&mut self.early).into_iter().for_each(|line| self.put(line));
+    }
+
+    /// Writes a line, behind what tells of the session: a device may say something while that begins.
+    fn put(&mut self, line: Line) {
+        if self.first.is_some() {
+            self.early.push(line);
+        } else {
+            self.writer.put(Entry::Line(Box::new(line)));
+        }
     }
 }
 

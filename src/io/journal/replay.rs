@@ -274,7 +274,10 @@ impl<R: BufRead> Replay<R> {
                 );
                 return Err(self.reader.unwritten(&what).into());
             }
-            self.furthest = self.furthest.max(frame);
+            // What is noticed beside the callback may be ahead of what that has told.
+            if !matches!(line.kind, Kind::Xrun | Kind::Device) {
+                self.furthest = self.furthest.max(frame);
+            }
         }
         // Numbers that no counter has become the nearest that one could.
         let count = |name: &str| line.fields.get(name).map(|count| *count as u64);
@@ -426,7 +429,7 @@ impl<R: BufRead> Replay<R> {
         ];
         fields.extend(line.felt.map(|felt| ("felt", felt)));
         fields.extend(line.fields.iter().map(|(name, value)| (name.as_str(), *value)));
-        let play = self.names.plan.play(name, &fields).map_err(told)?;
+        let play = self.names.plan.played(name, &fields).map_err(told)?;
         let place = line.place.as_deref().unwrap_or_default();
         let named = self.names.places.get(place).copied().or_else(|| Spot::unnamed(place));
         let place = named.ok_or_else(|| format!("there is no output `{place}`"))?;

@@ -25,7 +25,7 @@ pub struct Counts {
     pub late: Figure,
     /// Messages for a time too far ahead.
     pub far: Figure,
-    /// What waited for its time when a panic came, and what would have taken one back that came after it.
+    /// What waited for its time when a panic or the end came, and what would have taken one back that came after it.
     pub cancelled: Figure,
     /// Ids of voices forgotten since there were too many; what plays under them goes on.
     pub forgotten: Figure,
@@ -54,7 +54,7 @@ impl Counts {
             ("osc_wrong", self.wrong.get(), "with arguments that do not fit"),
             ("osc_late", self.late.get(), "late"),
             ("osc_far", self.far.get(), "too far ahead"),
-            ("osc_cancelled", self.cancelled.get(), "cancelled by a panic"),
+            ("osc_cancelled", self.cancelled.get(), "cancelled by a panic or the end"),
             ("osc_forgotten", self.forgotten.get(), "ids forgotten"),
             ("osc_crowded", self.crowded.get(), "subscriptions too many"),
             ("osc_unsent", self.unsent.get(), "answers not sent"),

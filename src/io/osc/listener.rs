@@ -128,6 +128,9 @@ impl Listener {
         while !stopped.load(Ordering::Acquire) {
             self.turn();
         }
+        // What is still ahead comes to nothing; nobody hears why any more.
+        let ahead = self.agenda.retain(|_| false).len();
+        self.counts.cancelled.add(ahead as u64);
         self.look();
     }
 

@@ -552,3 +552,48 @@ fn what_always_sounds_is_told_of_where_it_begins() {
     }
     assert_eq!(told, [(false, 1), (true, 1)]);
 }
+
+/// A voice that is meant for later and released before it begins ends where it begins.
+#[test]
+fn what_is_released_before_it_begins_does_not_sound_on() {
+    let mut bench = Bench::new(&["a"]);
+    let now = bench.next();
+    bench.take(now + 15_000_000, Signal::Play(1, "a".into(), Note::default().duration(f64::INFINITY)));
+    bench.take(now + 3_000_000, Signal::Release(1));
+    bench.turn(30);
+    assert_eq!(bench.played().len(), 1);
+    bench.turn(200);
+    assert_eq!(bench.conductor.board.voices.get(), 0, "nobody holds it");
+}
+
+/// A voice that is held is known by its number behind however many others, and of what had to be forgotten that is said.
+#[test]
+fn a_held_voice_is_released_behind_any_number_of_taps() {
+    let mut bench = Bench::new(&["a", "b"]);
+    let begin = bench.next();
+    bench.take(begin, Signal::Play(1, "a".into(), Note::default().duration(f64::INFINITY)));
+    for number in 0..20_000_u64 {
+        bench.take(bench.next(), Signal::Play(2 + number, "b".into(), Note::default().duration(0.001)));
+        if number % 50 == 0 {
+            bench.turn(3);
+        }
+    }
+    bench.turn(100);
+    assert_eq!(bench.conductor.board.voices.get(), 1);
+    bench.take(bench.next(), Signal::Release(1));
+    bench.turn(100);
+    assert_eq!(bench.conductor.board.voices.get(), 0);
+}
+
+/// What is meant for later and held when somebody lets go of all of it ends where it begins.
+#[test]
+fn what_has_yet_to_begin_is_let_go_of_with_all_else() {
+    for all in [Signal::ReleaseAll, Signal::Panic] {
+        let mut bench = Bench::new(&["a"]);
+        let now = bench.next();
+        bench.take(now + 15_000_000, Signal::Play(1, "a".into(), Note::default().duration(f64::INFINITY)));
+        bench.take(now + 3_000_000, all);
+        bench.turn(300);
+        assert_eq!((bench.played().len(), bench.conductor.board.voices.get()), (1, 0));
+    }
+}

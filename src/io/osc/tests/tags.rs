@@ -1,5 +1,6 @@
 //! What names a time: it waits for that, or was sampled then.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use rosc::{OscPacket, OscType};
@@ -229,4 +230,19 @@ fn streams_take_the_numbers_of_one_message() {
         assert!(heard.iter().all(|s| (s.stamp.0 < before) == as_of_then), "{address} {ms}");
         assert_eq!(scene.counts().late.get() - late, u64::from(!as_of_then), "{address} {ms}");
     }
+}
+
+/// What waits for its time when the session ends comes to nothing, and is counted.
+#[test]
+fn what_still_waits_at_the_end_is_counted() {
+    let mut scene = Scene::new();
+    scene.send(&bundle(30_000, vec![message("/voice/low/play", &[]), message("/calm", &[])]));
+    scene.settle();
+    let counts = Arc::clone(scene.server.counts());
+    assert_eq!(counts.cancelled.get(), 0);
+    // Another takes its place, so that it ends.
+    let other = Patch::parse("p", super::PATCH.as_bytes()).unwrap().value;
+    scene.server = super::Server::start("0".parse().unwrap(), scene.handle.clone(), &other, None).unwrap();
+    assert_eq!(counts.cancelled.get(), 2);
+    assert_eq!(scene.heard().len(), 0);
 }
