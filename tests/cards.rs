@@ -83,6 +83,40 @@ fn every_card_is_listed_once_and_found_by_what_people_call_it() {
     }
 }
 
+/// A card that another program plays on keeps nobody waiting who only asks what there is.
+#[test]
+fn a_card_that_another_program_has_is_listed_at_once() {
+    let _turn = TURN.lock();
+    if std::env::var_os("PACINIAN_EMULATED").is_none() {
+        return skipped::skipped(
+            "nothing is played on a card that somebody may hear (tests/devices/kernel.sh has one)",
+        );
+    }
+    let scratch = Scratch::new("held");
+    scratch.write("p.toml", program::GOOD);
+    let devices: Vec<String> =
+        cards().into_values().map(|name| format!("alsa:hw:CARD={name},DEV=0")).collect();
+    let play = |device: &String| {
+        let play = ["play", "p.toml", "--device", device, "--duration", "120"];
+        scratch
+            .command(&play)
+            .stdout(std::process::Stdio::null())
+            .stderr(std::process::Stdio::null())
+            .spawn()
+            .unwrap()
+    };
+    let mut others: Vec<_> = devices.iter().map(play).collect();
+    std::thread::sleep(Duration::from_secs(4));
+    let said = scratch.run(&["devices", "--json"]).succeeds().json();
+    let held =
+        others.iter_mut().filter_map(|other| other.try_wait().unwrap().is_none().then_some(())).count();
+    for mut other in others {
+        let _ = other.kill();
+        other.wait().unwrap();
+    }
+    assert!(held > 0, "whoever had a card has it still: {said:#}");
+}
+
 /// A card on USB that nobody hears, as QEMU makes it up: its name, and what plugs it in (`1`) and pulls it (`0`), as far as drivers can tell.
 fn emulated() -> Option<(String, Plug)> {
     // Elsewhere somebody may hear it.

@@ -9,14 +9,19 @@ pub fn forbidden() -> bool {
     is_kept_from(std::path::Path::new("/dev/snd"))
 }
 
-/// Whether a folder may not be looked into, or something in it not be opened.
+/// Whether a folder may not be looked into, or what controls a card in it not be opened. What plays and hears is left alone: a card that another program has
+/// would be waited for, and one that none has would be taken from others.
 #[cfg(target_os = "linux")]
 fn is_kept_from(folder: &std::path::Path) -> bool {
+    use std::os::unix::fs::OpenOptionsExt;
     let denied = |error: std::io::Error| error.kind() == std::io::ErrorKind::PermissionDenied;
-    let refused =
-        |path: &std::path::Path| std::fs::OpenOptions::new().read(true).open(path).is_err_and(denied);
+    let at_once = rustix::fs::OFlags::NONBLOCK.bits() as i32;
+    let refused = |path: &std::path::Path| {
+        std::fs::OpenOptions::new().read(true).custom_flags(at_once).open(path).is_err_and(denied)
+    };
+    let controls = |entry: &std::fs::DirEntry| entry.file_name().to_string_lossy().starts_with("control");
     match std::fs::read_dir(folder) {
-        Ok(entries) => entries.flatten().any(|entry| refused(&entry.path())),
+        Ok(entries) => entries.flatten().filter(controls).any(|entry| refused(&entry.path())),
         Err(error) => denied(error),
     }
 }
@@ -52,6 +57,10 @@ mod tests {
         };
         mode(&folder, 0o755);
         mode(&folder.join("controlC0"), 0o644);
+        // What keeps whoever opens it waiting, as a card does that another program plays on.
+        for name in ["pcmC0D0p", "controlC1"] {
+            assert!(std::process::Command::new("mkfifo").arg(folder.join(name)).status().unwrap().success());
+        }
         assert!(!looked());
         mode(&folder.join("controlC0"), 0o000);
         assert!(looked(), "a card that may not be opened");
