@@ -114,7 +114,7 @@ impl Latency {
         let declared = rig.map(|rig| rig.device.channels as usize);
         let fits = |count: usize| offered.iter().any(|&n| usize::from(n) == count);
         let channels = declared
-            .filter(|&count| fits(count))
+            .filter(|&count| fits(count) && count >= channel)
             .or_else(|| offered.iter().map(|&n| usize::from(n)).find(|&n| n >= channel))
             .ok_or_else(|| {
                 let most = offered.iter().max().copied().unwrap_or(0);

@@ -109,9 +109,13 @@ impl Conclusion<'_> {
         if input.frames.get() == 0 {
             return String::new();
         }
+        // While nothing is heard there is none.
+        let latency = match input.latency.get() {
+            0 => "not heard in the end".to_string(),
+            known => format!("latency {:.1} ms", 1e3 * (known as f64 * 1e-9 + self.session.input_delay())),
+        };
         format!(
-            "  input: latency {:.1} ms, {} frames, {}, {} too late, {} too many, {} lost\n",
-            1e3 * (input.latency.get() as f64 * 1e-9 + self.session.input_delay()),
+            "  input: {latency}, {} frames, {}, {} too late, {} too many, {} lost\n",
             input.frames.get(),
             many(input.xruns.get() as usize, "xrun"),
             many(input.dry.get() as usize, "time"),
