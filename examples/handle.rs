@@ -5,12 +5,13 @@
 //! `cargo run --release --example handle`.
 
 use std::error::Error;
+use std::sync::mpsc::channel;
 use std::thread;
 use std::time::Duration;
 
 use pacinian::io::device::choose::Chosen;
 use pacinian::io::session::{Beginning, Session};
-use pacinian::live::callback::Deed;
+use pacinian::live::callback::{Deed, Report};
 use pacinian::live::conductor::Told;
 use pacinian::live::reload::Reload;
 use pacinian::live::signal::Signal;
@@ -44,16 +45,18 @@ events = [{ at = 0, voice = "buzz", duration = 0.05, repeat = { every = 0.1, tim
 fn main() -> Result<(), Box<dyn Error>> {
     let (patch, rig) = (Patch::parse("hand.toml", PATCH.as_bytes())?.value, Rig::default_for(4));
     let scene = Reload::of(patch, rig, &Options::for_card(48_000.0), &NoAssets)?;
+    let (tell, told) = channel();
     let mut session = Session::start(Beginning {
-        // In a thread of the session, which may take its time.
-        audience: Box::new(|told| match told {
-            Told::Report(report, _) => {
-                if let Deed::Event { at, due, .. } = report.deed {
-                    println!("  at engine sample {}, due at {}", at.sample, due.sample);
+        // In the thread that leads the session, which must not wait for a terminal.
+        audience: Box::new(move |told| {
+            let line = match told {
+                Told::Report(Report { deed: Deed::Event { at, due, .. }, .. }, _) => {
+                    format!("at engine sample {}, due at {}", at.sample, due.sample)
                 }
-            }
-            Told::Refused(problem, _) => println!("  refused: {problem}"),
-            _ => {}
+                Told::Refused(problem, _) => format!("refused: {problem}"),
+                _ => return,
+            };
+            let _ = tell.send(line);
         }),
         ..Beginning::of(scene, Chosen::Virtual(None))
     })?;
@@ -83,6 +86,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // What the patch does not have is refused, and the session goes on.
     handle.play("hum", Note::default())?;
     thread::sleep(Duration::from_millis(50));
+    told.try_iter().for_each(|line| println!("  {line}"));
     let board = session.board();
     println!(
         "{} voices so far, {} events late, {:.2} % of a core",

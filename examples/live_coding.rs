@@ -14,6 +14,7 @@ use pacinian::text::Problems;
 use pacinian::{Options, Rig};
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 
 /// What is written, one after the other, and at how many seconds it is saved.
@@ -43,11 +44,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::write(&path, patch(r#"{ type = "sine", frequency = 80, amplitude = 0.5 }"#))?;
     // From before it is read, so that nothing that is saved meanwhile is missed.
     let mut watch = Watch::of([&path]);
+    let (tell, told) = channel();
     let mut session = Session::start(Beginning {
-        audience: Box::new(|told| match told {
-            Told::Reloaded => println!("it plays"),
-            Told::Kept(why, _) => println!("it needs a session of its own: {why}"),
-            _ => {}
+        // In the thread that leads the session, which must not wait for a terminal.
+        audience: Box::new(move |told| {
+            let line = match told {
+                Told::Reloaded => "it plays".to_string(),
+                Told::Kept(why, _) => format!("it needs a session of its own: {why}"),
+                _ => return,
+            };
+            let _ = tell.send(line);
         }),
         ..Beginning::of(compile(&path)?, Chosen::Virtual(None))
     })?;
@@ -56,6 +62,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         if let Some((_, node)) = saved.next_if(|(at, _)| begin.elapsed().as_secs_f64() >= *at) {
             std::fs::write(&path, patch(node))?;
         }
+        told.try_iter().for_each(|line| println!("{line}"));
         for changed in watch.look() {
             match compile(&changed) {
                 Ok(reload) => session.handle().send(Signal::Reload(Box::new(reload)))?,

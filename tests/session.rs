@@ -549,3 +549,55 @@ fn a_cable_that_is_lost_is_a_panic() {
         );
     }
 }
+
+/// Whoever listens may panic, or what computes: nothing sounds on, nothing is held, and the clock goes on.
+#[test]
+fn a_panic_of_somebody_elses_ends_in_silence() {
+    struct Faulty;
+    impl pacinian::engine::task::Task for Faulty {
+        fn beat(&self) -> pacinian::schedule::Beat {
+            pacinian::schedule::Beat::every(1)
+        }
+        fn run(&mut self, board: &mut dyn pacinian::engine::task::Values) {
+            if board.clock() == 1600 {
+                // As a panic, but without its words.
+                std::panic::resume_unwind(Box::new("a task"));
+            }
+        }
+    }
+    for of_task in [false, true] {
+        let ready = Arc::new(std::sync::atomic::AtomicBool::new(false));
+        let (asked, fates) = (Arc::clone(&ready), Words::default());
+        let told = Arc::clone(&fates);
+        let mut session = Session::start(Beginning {
+            block: Some(64),
+            record: true,
+            tasks: if of_task { vec![Box::new(Faulty)] } else { Vec::new() },
+            audience: Box::new(move |_| {
+                if asked.load(std::sync::atomic::Ordering::Relaxed) {
+                    std::panic::resume_unwind(Box::new("an audience"));
+                }
+            }),
+            fate: Box::new(move |fate| told.lock().unwrap().push(format!("{fate:?}"))),
+            ..Beginning::of(reload(HUM), Chosen::Virtual(None))
+        })
+        .unwrap();
+        let mut recording = session.recording().unwrap();
+        let board = Arc::clone(session.board());
+        wait("sound", || board.frames.get() > if of_task { 12_000 } else { 9_600 });
+        if of_task {
+            wait("the word", || fates.lock().unwrap().iter().any(|fate| fate.contains("panicked")));
+        } else {
+            ready.store(true, std::sync::atomic::Ordering::Relaxed);
+            wait("the end", || session.handle().play("tap", Note::default()).is_err());
+        }
+        let frames = board.frames.get();
+        wait("the clock", || board.frames.get() > frames + 2_400);
+        let all: Vec<f32> = recording.pop_iter().collect();
+        assert!(all.iter().any(|x| x.abs() > 0.4), "it sounded");
+        if !of_task {
+            assert!(all[all.len() - 2 * 1_200..].iter().all(|x| *x == 0.0), "exact zeros in the end");
+        }
+        session.stop();
+    }
+}

@@ -61,9 +61,9 @@ pub struct Beginning {
     pub tasks: Vec<Box<dyn Task>>,
     /// A song that plays it from the beginning.
     pub song: Option<Arc<Song>>,
-    /// Hears of every event as it is made.
+    /// Hears of every event as it is made, in the conductor's thread, which it must not keep: what takes time is handed over.
     pub listener: Option<Listener>,
-    /// Hears what the conductor tells of.
+    /// Hears what the conductor tells of, in its thread likewise. One that panics closes the gate.
     pub audience: Audience,
     /// Hears what becomes of the device.
     pub fate: Box<dyn FnMut(Fate) + Send>,
@@ -317,8 +317,13 @@ impl Session {
         if let Some(keeper) = &self.keeper {
             keeper.rest();
         }
-        // Whoever floods the session cannot keep it from ending: that is never refused for lack of room.
-        let _ = self.handle.send(Signal::End);
+        // Whoever floods the session cannot keep it from ending: that is never refused for lack of room. The gate closes at once, whatever
+        // waits before that, and where nobody conducts any more.
+        if self.board.lever.closes() {
+            let _ = self.handle.send(Signal::End);
+        } else {
+            self.handle.end();
+        }
         if let Some(conductor) = self.conductor.take() {
             let _ = conductor.join();
         }

@@ -89,6 +89,8 @@ pub struct Board {
     sent_peaks: Vec<AtomicU32>,
     /// Frames given to the device.
     pub frames: Figure,
+    /// 1 where what computes has panicked: silence from there on.
+    pub faults: Figure,
     /// The next engine sample.
     pub clock: Figure,
     /// Voices that sound.

@@ -77,7 +77,7 @@ pub enum Told<'a> {
     Kept(&'a str, u64),
 }
 
-/// Hears what a conductor tells of, in its thread.
+/// Hears what a conductor tells of, in its thread, which it must not keep: while it does, nothing that comes in takes effect.
 pub type Audience = Box<dyn FnMut(Told<'_>) + Send>;
 
 /// A new patch or rig, and the number of the signal that asked for it.
@@ -501,7 +501,9 @@ impl Conductor {
                 .help("say what one feels like: [knob.effects]".to_string())),
             Signal::Reload(reload) => {
                 // One that still waits is out of date.
-                self.waiting = None;
+                if let Some((_, before)) = self.waiting.take() {
+                    (self.audience)(Told::Kept("another one came before it could take over", before));
+                }
                 self.reload((reload, id));
                 Ok(())
             }
@@ -563,6 +565,15 @@ impl Conductor {
         (self.audience)(Told::Reloaded);
         for problem in [became, brought].into_iter().filter_map(Result::err) {
             self.refuse(&problem, cause);
+        }
+    }
+}
+
+/// Where nobody conducts any more, nothing sounds: somebody who listens has panicked, and what is held would be for ever.
+impl Drop for Conductor {
+    fn drop(&mut self) {
+        if !self.ended {
+            self.board.lever.close(0);
         }
     }
 }

@@ -14,6 +14,7 @@ use super::relief::Relief;
 use super::remote::Given;
 use super::stamp::{Epoch, Stamp};
 use super::steps::Steps;
+use crate::engine::guard::Guard;
 use crate::knob::angle::decoder::NOT_HEARD;
 
 /// What a device calls to be filled. Only one device at a time has it; when that lets go of it, it goes home.
@@ -35,6 +36,8 @@ pub struct Driver {
     due: f64,
     /// When the block at hand began, of which nothing is filled yet.
     begun: Option<Stamp>,
+    /// Between what computes and the device.
+    guard: Option<Guard>,
 }
 
 /// What a card may have said, [`NOT_HEARD`] as it is.
@@ -73,6 +76,7 @@ impl Driver {
             heard: Vec::new(),
             due: 0.0,
             begun: None,
+            guard: Some(Guard::default()),
         };
         (driver, clock)
     }
@@ -139,8 +143,21 @@ impl Driver {
         (self.due, self.begun) = (self.follower.due(), Some(begin));
     }
 
-    /// Fills `output`, the next interleaved frames of the block that began last.
+    /// Fills `output`, the next interleaved frames of the block that began last; with silence from where something of it has panicked, as a task of
+    /// somebody else's may.
     pub(crate) fn go_on(&mut self, output: &mut [f32]) {
+        let Some(mut guard) = self.guard.take() else { return self.compute(output) };
+        let frames = self.board.frames.get();
+        guard.call(output, |output| self.compute(output));
+        if guard.fault().is_latched() {
+            // The clock goes on.
+            self.board.frames.set(frames + (output.len() / self.callback.channels().max(1)) as u64);
+            self.board.faults.set(1);
+        }
+        self.guard = Some(guard);
+    }
+
+    fn compute(&mut self, output: &mut [f32]) {
         let channels = self.callback.channels().max(1);
         let frames = output.len() / channels;
         if frames == 0 {

@@ -88,6 +88,11 @@ impl Lever {
         self.close.store(true, Ordering::Release);
     }
 
+    /// Whether that is asked for.
+    pub fn closes(&self) -> bool {
+        self.close.load(Ordering::Acquire)
+    }
+
     /// The same for who can do no more than set a flag, as a signal's handler.
     pub fn closing(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.close)

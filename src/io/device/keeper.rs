@@ -37,6 +37,10 @@ pub enum Fate {
     Said(String),
 }
 
+/// What is said where what computes has panicked.
+const FAULT: &str =
+    "the thread that computes has panicked, or a task in it: silence from here on; start anew";
+
 /// Frames of a block of the virtual card where nobody says otherwise.
 pub const BLOCK: usize = 128;
 
@@ -84,6 +88,8 @@ struct Keeping {
     bell: Bell,
     pulse: Pulse,
     pace: Pace,
+    /// Whether it was told that what computes has panicked.
+    faulted: bool,
     /// It computed ahead of time, and is given nothing before it keeps time again.
     rushed: bool,
     search: Search,
@@ -123,6 +129,7 @@ impl Keeper {
             bell: bell.clone(),
             pulse: Pulse::new(),
             pace: Pace::begin(Instant::now(), board.frames.get()),
+            faulted: false,
             rushed: false,
             search: Search::new(),
             watch: Watch::default(),
@@ -226,6 +233,9 @@ impl Keeping {
         let pause = self.pulse.pause(now, self.board.frames.get());
         while let Some(Ok(news)) = self.news.as_ref().map(Receiver::try_recv) {
             self.hear(news);
+        }
+        if self.board.faults.get() > 0 && !std::mem::replace(&mut self.faulted, true) {
+            (self.fate)(Fate::Said(FAULT.into()));
         }
         let block = self.board.block.get().max(1) as f64 / f64::from(self.shape.rate);
         let silent = SILENT.max(Duration::from_secs_f64(MISSED * block));
